@@ -1,0 +1,2 @@
+//! The `lixel` command.
+fn main() {}

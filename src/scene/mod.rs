@@ -1,0 +1,61 @@
+//! Files → an immutable, fully resolved [`Scene`]; `Scene::frame(t)` → camera, lights, moving triangles.
+//!
+//! After this stage there are no nodes, no accessors, no units, no keyframes: only triangles in scene space.
+
+mod camera;
+mod light;
+mod params;
+
+pub use camera::{Camera, Film, Projection};
+pub use light::{Light, LightKind};
+pub use params::{CameraKey, CameraParams, FramesParams, ImageParams, LightKindName, LightParams};
+
+use glam::{DVec3, Vec3};
+
+/// Three vertices in scene space, metres. f32 is the precision of the files; everything computed from them is f64.
+pub type Triangle = [Vec3; 3];
+
+/// What one moment of the shot looks like.
+#[derive(Clone, Debug)]
+pub struct SceneFrame {
+    /// Seconds from the start of the animation.
+    pub time_s: f64,
+    /// The camera at that time, in scene space.
+    pub camera: Camera,
+    /// The lights at that time, in scene space, in the order of the scene.
+    pub lights: Vec<Light>,
+    /// Triangles that move at some time of the shot, posed for this frame.
+    pub moving: Vec<Triangle>,
+}
+
+/// The triangles of one frame: the still ones of the shot, then the moving ones. A triangle's index counts through both.
+#[derive(Clone, Copy, Debug)]
+pub struct Geometry<'a> {
+    /// Triangles that never move during the shot.
+    pub still: &'a [Triangle],
+    /// Triangles posed for this frame.
+    pub moving: &'a [Triangle],
+}
+
+impl<'a> Geometry<'a> {
+    /// Number of triangles.
+    pub fn len(&self) -> usize {
+        self.still.len() + self.moving.len()
+    }
+
+    /// True when there is no triangle.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The triangle with an index below [`Geometry::len`].
+    pub fn triangle(&self, index: u32) -> Triangle {
+        let index = index as usize;
+        if index < self.still.len() { self.still[index] } else { self.moving[index - self.still.len()] }
+    }
+
+    /// The same vertices in f64.
+    pub fn triangle_f64(&self, index: u32) -> [DVec3; 3] {
+        self.triangle(index).map(|v| v.as_dvec3())
+    }
+}
