@@ -1,1 +1,17 @@
-//! (this room is being built)
+//! Minimises a sum of 36 moments over the eight parameters of a homography that covers a convex polygon.
+//!
+//! Nothing here knows of shadows or lights: a polygon in the plane q3 = 1, moments of samples in the same plane, a shape
+//! of map, and a budget. The projective part (a, b) of p4 = (a, b, 1) is searched over the polar polygon of the hull;
+//! for each the affine part is found over pairs of angles (math note §4).
+
+mod affine;
+mod normalise;
+mod params;
+mod polar;
+mod search;
+
+pub use affine::{AffineFit, Aspect, fit_affine, refine_affine};
+pub use normalise::{Normalisation, normalise};
+pub use params::{Effort, Metric, Shape, SolverParams};
+pub use polar::PolarPolygon;
+pub use search::{Fit, FitProblem, Termination, minimise, minimise_exhaustive};

@@ -1,1 +1,11 @@
-//! (this room is being built)
+//! Small geometry used by several stages: hulls, homographies, boxes, the light plane.
+
+mod bounds;
+mod hull;
+mod light_space;
+mod matrix;
+
+pub use bounds::Bounds;
+pub use hull::{convex_hull, support_subset};
+pub use light_space::{LightSpace, LightSpaceError};
+pub use matrix::{Rows4, apply, det3, matrix_from_rows, rows_of};

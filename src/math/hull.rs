@@ -1,0 +1,79 @@
+//! Convex hulls in the plane: Andrew's monotone chain on exact orientation tests (Shewchuk, crate `robust`).
+
+use glam::DVec2;
+use robust::{Coord, orient2d};
+
+/// Convex hull, counter-clockwise, without collinear or repeated points. Non-finite points are ignored. Fewer than three
+/// vertices when the points are empty, single or collinear.
+pub fn convex_hull(points: &[DVec2]) -> Vec<DVec2> {
+    let mut sorted: Vec<DVec2> = points.iter().copied().filter(|p| p.is_finite()).collect();
+    sorted.sort_unstable_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
+    sorted.dedup();
+    if sorted.len() < 3 {
+        return sorted;
+    }
+    let mut hull: Vec<DVec2> = Vec::with_capacity(32);
+    let half = |hull: &mut Vec<DVec2>, points: &mut dyn Iterator<Item = DVec2>, keep: usize| {
+        for p in points {
+            while hull.len() >= keep + 2 && !turns_left(hull[hull.len() - 2], hull[hull.len() - 1], p) {
+                hull.pop();
+            }
+            hull.push(p);
+        }
+    };
+    half(&mut hull, &mut sorted.iter().copied(), 0);
+    let lower = hull.len() - 1;
+    half(&mut hull, &mut sorted.iter().rev().skip(1).copied(), lower);
+    hull.pop();
+    hull
+}
+
+fn turns_left(a: DVec2, b: DVec2, c: DVec2) -> bool {
+    let coord = |p: DVec2| Coord { x: p.x, y: p.y };
+    orient2d(coord(a), coord(b), coord(c)) > 0.0
+}
+
+/// At most `count` vertices of a convex polygon: its support points in `count` evenly spread directions, in the order
+/// of the polygon. An inner approximation whose width errs by at most 1 - cos(π/count) of the diameter.
+pub fn support_subset(hull: &[DVec2], count: usize) -> Vec<DVec2> {
+    if hull.len() <= count {
+        return hull.to_vec();
+    }
+    let mut keep = vec![false; hull.len()];
+    for k in 0..count {
+        let (s, c) = (std::f64::consts::TAU * k as f64 / count as f64).sin_cos();
+        let direction = DVec2::new(c, s);
+        let best = (0..hull.len()).fold(0, |b, i| if hull[i].dot(direction) > hull[b].dot(direction) { i } else { b });
+        keep[best] = true;
+    }
+    hull.iter().zip(keep).filter_map(|(p, k)| k.then_some(*p)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn square_with_inner_and_collinear_points() {
+        let mut points = vec![DVec2::new(0.5, 0.5), DVec2::new(0.5, 0.0), DVec2::new(f64::NAN, 0.0)];
+        points.extend([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0), (1.0, 1.0)].map(|(x, y)| DVec2::new(x, y)));
+        let hull = convex_hull(&points);
+        assert_eq!(hull, [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)].map(|(x, y)| DVec2::new(x, y)));
+    }
+
+    #[test]
+    fn degenerate_inputs() {
+        assert!(convex_hull(&[]).is_empty());
+        assert_eq!(convex_hull(&[DVec2::ONE, DVec2::ONE]).len(), 1);
+        assert_eq!(convex_hull(&(0..9).map(|i| DVec2::splat(f64::from(i))).collect::<Vec<_>>()).len(), 2);
+    }
+
+    #[test]
+    fn subset_keeps_extremes_and_order() {
+        let circle: Vec<DVec2> = (0..360).map(|i| DVec2::from_angle(f64::from(i).to_radians())).collect();
+        let hull = convex_hull(&circle);
+        let subset = support_subset(&hull, 32);
+        assert!(subset.len() <= 32 && subset.len() >= 30);
+        assert_eq!(convex_hull(&subset).len(), subset.len());
+    }
+}

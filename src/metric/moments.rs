@@ -1,0 +1,212 @@
+//! The sum over samples as 36 numbers (math note §3).
+//!
+//! ```text
+//! h(H) = Σ_s k_s ‖·‖² = det(H)⁻² Σ_i M[p4, p4, q_i', q_i']
+//! M[a,b,c,d] = Σ_s (k_s / V_s²) (q_s)_a (q_s)_b (C_s)_cd,     C_s = Σ_j c_j c_jᵀ
+//! ```
+//!
+//! M is symmetric in ab and in cd: 6 x 6 sums. One pass over the samples builds it; afterwards a value costs the same
+//! whatever their number. Moments in one light frame add, over tiles, threads and frames.
+
+use glam::{DMat3, DVec3};
+
+/// Index pairs of a symmetric 3x3 matrix in the order xx, xy, xz, yy, yz, zz.
+const PAIRS: [(usize, usize); 6] = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
+
+/// The 36 sums: rows are the pair ab of q qᵀ, columns the pair cd of C.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Moments {
+    sums: [[f64; 6]; 6],
+}
+
+impl Default for Moments {
+    fn default() -> Self {
+        Moments { sums: [[0.0; 6]; 6] }
+    }
+}
+
+impl Moments {
+    /// Adds one sample: its q, V, one vector c and weight k. Call once per c of the sample.
+    pub fn add(&mut self, q: DVec3, volume: f64, c: DVec3, weight: f64) {
+        let k = weight / (volume * volume);
+        let cc = products(c);
+        for (row, qq) in self.sums.iter_mut().zip(products(q)) {
+            let f = k * qq;
+            for (sum, c) in row.iter_mut().zip(cc) {
+                *sum += f * c;
+            }
+        }
+    }
+
+    /// Adds another set of samples of the same light frame.
+    pub fn merge(&mut self, other: &Moments) {
+        for (row, o) in self.sums.iter_mut().zip(&other.sums) {
+            for (sum, v) in row.iter_mut().zip(o) {
+                *sum += v;
+            }
+        }
+    }
+
+    /// True when every sum is a number.
+    pub fn is_finite(&self) -> bool {
+        self.sums.iter().flatten().all(|v| v.is_finite())
+    }
+
+    /// The symmetric matrix S with S_cd = M[p4, p4, c, d].
+    pub fn contract(&self, p4: DVec3) -> DMat3 {
+        let mut s = [0.0; 6];
+        for (&(a, b), row) in PAIRS.iter().zip(&self.sums) {
+            let f = p4[a] * p4[b] * if a == b { 1.0 } else { 2.0 };
+            for (s, m) in s.iter_mut().zip(row) {
+                *s += f * m;
+            }
+        }
+        let [xx, xy, xz, yy, yz, zz] = s;
+        DMat3::from_cols(DVec3::new(xx, xy, xz), DVec3::new(xy, yy, yz), DVec3::new(xz, yz, zz))
+    }
+
+    /// h of a homography with rows p1, p2, p4.
+    pub fn value(&self, rows: &[DVec3; 3]) -> f64 {
+        let [p1, p2, p4] = *rows;
+        let s = self.contract(p4);
+        let det = crate::math::det3(p1, p2, p4);
+        let (q1, q2) = (p1.cross(p4), p2.cross(p4));
+        (q1.dot(s * q1) + q2.dot(s * q2)) / (det * det)
+    }
+
+    /// Gradient of [`Moments::value`] by the nine entries of the rows p1, p2, p4.
+    pub fn gradient(&self, rows: &[DVec3; 3]) -> [DVec3; 3] {
+        let [p1, p2, p4] = *rows;
+        let s = self.contract(p4);
+        let det = crate::math::det3(p1, p2, p4);
+        let inverse2 = 1.0 / (det * det);
+        let (q1, q2) = (p1.cross(p4), p2.cross(p4));
+        let (s1, s2) = (s * q1, s * q2);
+        let sum = q1.dot(s1) + q2.dot(s2);
+        // ∂(q_i'ᵀ S q_i')/∂p_i = 2 p4 × (S q_i');  by p4: 2 (S q_i') × p_i + ∂S.  ∂det/∂p = cofactor.
+        let scale_det = -2.0 * sum * inverse2 / det;
+        let g1 = p4.cross(s1) * (2.0 * inverse2) + p2.cross(p4) * scale_det;
+        let g2 = p4.cross(s2) * (2.0 * inverse2) + p4.cross(p1) * scale_det;
+        let g4 = (s1.cross(p1) + s2.cross(p2)) * (2.0 * inverse2)
+            + self.contract_gradient(p4, q1, q2) * inverse2
+            + p1.cross(p2) * scale_det;
+        [g1, g2, g4]
+    }
+
+    /// ∂/∂p4 of Σ_i M[p4, p4, q_i', q_i'] with the q_i' held fixed.
+    fn contract_gradient(&self, p4: DVec3, q1: DVec3, q2: DVec3) -> DVec3 {
+        let (a, b) = (products(q1), products(q2));
+        let mut g = DVec3::ZERO;
+        for (&(i, j), row) in PAIRS.iter().zip(&self.sums) {
+            let m: f64 =
+                (0..6).map(|k| row[k] * (a[k] + b[k]) * if PAIRS[k].0 == PAIRS[k].1 { 1.0 } else { 2.0 }).sum();
+            g[i] += 2.0 * m * p4[j];
+            if i != j {
+                g[j] += 2.0 * m * p4[i];
+            }
+        }
+        g
+    }
+
+    /// Largest |Σ_b M[a,b,b,d]| over the sum of its terms' magnitudes. Exactly zero in real arithmetic, since c is
+    /// perpendicular to q: a free measure of rounding.
+    pub fn rounding(&self) -> f64 {
+        let index = |a: usize, b: usize| {
+            let (a, b) = (a.min(b), a.max(b));
+            PAIRS.iter().position(|p| *p == (a, b)).unwrap_or(0)
+        };
+        let mut worst = 0.0_f64;
+        for a in 0..3 {
+            for d in 0..3 {
+                let (mut sum, mut size) = (0.0, 0.0);
+                for b in 0..3 {
+                    let v = self.sums[index(a, b)][index(b, d)];
+                    sum += v;
+                    size += v.abs();
+                }
+                if size > 0.0 {
+                    worst = worst.max(sum.abs() / size);
+                }
+            }
+        }
+        worst
+    }
+}
+
+fn products(v: DVec3) -> [f64; 6] {
+    [v.x * v.x, v.x * v.y, v.x * v.z, v.y * v.y, v.y * v.z, v.z * v.z]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::metric::inverse_jacobian_norm2;
+
+    fn samples() -> crate::metric::EdgeSamples {
+        let mut s = crate::metric::EdgeSamples::default();
+        for i in 0..50 {
+            let f = f64::from(i);
+            s.q.push(DVec3::new((f * 1.3).sin(), (f * 0.7).cos(), 1.0));
+            s.t.push([
+                DVec3::new(0.01 + 0.002 * f.sin(), 0.003, 0.001 * f.cos()),
+                DVec3::new(-0.002, 0.02 + 0.004 * f.cos(), 0.0),
+            ]);
+            s.edge_normal.push(glam::DVec2::from_angle(f));
+            s.length_px.push(1.0 + 0.1 * f);
+            s.room_px.push(10.0);
+        }
+        s
+    }
+
+    fn moments(s: &crate::metric::EdgeSamples) -> Moments {
+        let mut m = Moments::default();
+        for i in 0..s.len() {
+            for c in s.footprint_vectors(i) {
+                m.add(s.q[i], s.volume(i), c, s.length_px[i]);
+            }
+        }
+        m
+    }
+
+    const ROWS: [DVec3; 3] = [DVec3::new(200.0, 20.0, 5.0), DVec3::new(-30.0, 180.0, 9.0), DVec3::new(0.2, -0.3, 1.0)];
+
+    #[test]
+    fn moments_equal_the_sum_of_equation_9() {
+        let s = samples();
+        let direct: f64 = (0..s.len()).map(|i| s.length_px[i] * inverse_jacobian_norm2(&s, i, &ROWS)).sum();
+        let value = moments(&s).value(&ROWS);
+        assert!((value / direct - 1.0).abs() < 1e-12, "{value} {direct}");
+        assert!(moments(&s).rounding() < 1e-14);
+    }
+
+    #[test]
+    fn gradient_equals_differences() {
+        let m = moments(&samples());
+        let g = m.gradient(&ROWS);
+        for row in 0..3 {
+            for k in 0..3 {
+                let step = 1e-6 * ROWS[row].length();
+                let at = |d: f64| {
+                    let mut r = ROWS;
+                    r[row][k] += d;
+                    m.value(&r)
+                };
+                let numeric = (at(step) - at(-step)) / (2.0 * step);
+                assert!((g[row][k] - numeric).abs() < 1e-5 * g[row].length(), "{row} {k}: {} {numeric}", g[row][k]);
+            }
+        }
+    }
+
+    #[test]
+    fn moments_add() {
+        let s = samples();
+        let mut halves = [Moments::default(), Moments::default()];
+        for i in 0..s.len() {
+            halves[i % 2].add(s.q[i], s.volume(i), s.edge_vector(i), 1.0);
+        }
+        let mut whole = halves[0];
+        whole.merge(&halves[1]);
+        let sum = halves[0].value(&ROWS) + halves[1].value(&ROWS);
+        assert!((whole.value(&ROWS) / sum - 1.0).abs() < 1e-12);
+    }
+}
