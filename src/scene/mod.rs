@@ -2,13 +2,31 @@
 //!
 //! After this stage there are no nodes, no accessors, no units, no keyframes: only triangles in scene space.
 
+mod bake;
 mod camera;
+mod camera_pose;
+mod camera_source;
+mod error;
+mod frames;
+mod gltf;
 mod light;
+mod light_source;
+mod mesh;
+mod model;
+mod names;
+mod obj;
 mod params;
+mod polygon;
+mod pose;
+mod shot;
+mod track;
 
 pub use camera::{Camera, Film, Projection};
+pub use error::SceneError;
+pub use frames::{FrameTime, parse_range};
 pub use light::{Light, LightKind};
 pub use params::{CameraKey, CameraParams, FramesParams, ImageParams, LightKindName, LightParams};
+pub use shot::{Scene, Shot, ShotParams, load};
 
 use glam::{DVec3, Vec3};
 

@@ -1,1 +1,20 @@
-//! (this room is being built)
+//! What the camera sees and what the light reaches, by rays: exact up to the rounding of f32 vertices.
+//!
+//! [`Bvh`] sorts triangles for rays, [`Tracer`] sends rays through the still and the moving ones of a frame,
+//! [`surface_at`] finds the surface behind a film position, [`answer`] asks whether a light reaches it, and [`see`] and
+//! [`classify`] do both for every pixel of a film. Nothing here knows of shadow maps.
+
+mod bvh;
+mod kernel;
+mod lanes;
+mod shadow;
+mod surface;
+mod trace;
+mod view;
+mod wide;
+
+pub use bvh::Bvh;
+pub use shadow::{Answer, RayOffset, UNCERTAIN_MULTIPLE, answer};
+pub use surface::{Surface, surface_at};
+pub use trace::{Hit, Tracer};
+pub use view::{NO_TRIANGLE, View, classify, see};

@@ -1,0 +1,155 @@
+//! Which camera a shot has, and where it is at a time.
+
+use super::camera_pose::{PosedCamera, frame_all, posed};
+use super::model::{Model, Node};
+use super::names::{Found, did_you_mean, find, list, name_all};
+use super::pose::{Pose, orthonormal_rotation};
+use super::{Camera, CameraParams, Projection, SceneError};
+use glam::DVec3;
+
+/// Vertical field of view where the job says nothing, degrees.
+pub(super) const DEFAULT_FOV_DEG: f64 = 45.0;
+
+const REMEDY: &str = "choose one with --camera NAME or [camera] name, or give [camera] frame_all = true, or position \
+                      and look_at";
+
+/// What a camera that is not in a file needs to know of the scene; world space, metres.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Surroundings {
+    /// Of the bounding sphere of the first frame.
+    pub centre: DVec3,
+    /// Of the bounding sphere of the first frame.
+    pub radius: f64,
+    /// Upper bound of the distance of anything from `centre`, over all frames.
+    pub reach: f64,
+    /// Of the bounding box over all frames.
+    pub diagonal: f64,
+}
+
+/// The camera of the shot.
+#[derive(Clone, Debug)]
+pub(super) enum CameraSource {
+    /// Held by a node.
+    Node {
+        /// As in the file.
+        name: String,
+        /// Index into the model's nodes.
+        node: usize,
+        /// With the job's field of view where it gives one.
+        projection: Projection,
+        /// Metres.
+        near: f64,
+        /// Metres.
+        far: Option<f64>,
+        /// Width over height, where the file says.
+        aspect: Option<f64>,
+    },
+    /// Described by the job.
+    Posed(Box<PosedCamera>),
+}
+
+/// Resolves `[camera]`. `aspect` is that of the film when the camera has no say in it.
+///
+/// # Errors
+/// [`SceneError::Camera`] for no camera, several, or an unknown name; [`SceneError::BadValue`] for bad keys.
+pub(super) fn choose(
+    params: &CameraParams,
+    model: &Model,
+    fps: f64,
+    aspect: f64,
+    around: &Surroundings,
+) -> Result<CameraSource, SceneError> {
+    let is_pose =
+        params.position.is_some() || params.look_at.is_some() || params.rotation.is_some() || !params.key.is_empty();
+    if params.frame_all && (is_pose || params.name.is_some()) {
+        let problem = "leaves no choice; remove it, or name, position, look_at, rotation and keys";
+        return Err(SceneError::bad_value("camera.frame_all", true, problem));
+    }
+    if let Some(name) = params.name.as_deref().filter(|_| is_pose) {
+        let problem =
+            "is a camera of a file, which has its own pose; remove it, or position, look_at, rotation and keys";
+        return Err(SceneError::bad_value("camera.name", name, problem));
+    }
+    if params.frame_all {
+        return Ok(CameraSource::Posed(Box::new(frame_all(params, aspect, around)?)));
+    }
+    if is_pose {
+        return Ok(CameraSource::Posed(Box::new(posed(params, fps, around)?)));
+    }
+    from_file(params, model)
+}
+
+fn from_file(params: &CameraParams, model: &Model) -> Result<CameraSource, SceneError> {
+    let own = model.cameras.iter().map(|camera| (&model.nodes[camera.node], camera.name.as_deref()));
+    let names = name_all("camera", own);
+    let fail = |problem: String| SceneError::Camera { problem, known: list(&names), remedy: REMEDY };
+    let index = match &params.name {
+        Some(name) => match find(&names, name) {
+            Found::One(index) => index,
+            Found::None => return Err(fail(format!("no camera is named {name:?}{}", did_you_mean(&names, name)))),
+            Found::Several => return Err(fail(format!("several cameras are named {name:?}"))),
+        },
+        None if names.is_empty() => return Err(fail("no camera to plan for".into())),
+        None if names.len() > 1 => return Err(fail(format!("{} cameras, and none is chosen", names.len()))),
+        None => 0,
+    };
+    let camera = &model.cameras[index];
+    let projection = match (camera.projection, params.fov) {
+        (projection, None) => projection,
+        (Projection::Perspective { .. }, Some(fov)) if fov > 0.0 && fov < 180.0 => {
+            Projection::Perspective { yfov_rad: fov.to_radians() }
+        }
+        (Projection::Perspective { .. }, Some(fov)) => {
+            return Err(SceneError::bad_value("camera.fov", fov, "must lie between 0 and 180 degrees"));
+        }
+        (Projection::Orthographic { .. }, Some(fov)) => {
+            return Err(SceneError::bad_value("camera.fov", fov, "an orthographic camera has none; remove it"));
+        }
+    };
+    let near = params.near.unwrap_or(camera.near);
+    let far = params.far.or(camera.far);
+    if near.is_nan() || near < 0.0 || params.near == Some(0.0) {
+        return Err(SceneError::bad_value("camera.near", near, "must be positive, metres"));
+    }
+    if let Some(far) = far.filter(|&far| far.is_nan() || far <= near) {
+        let problem = format!("must be beyond the near plane, which is at {near} m");
+        return Err(SceneError::bad_value("camera.far", far, problem));
+    }
+    let name = names[index].unique.clone();
+    Ok(CameraSource::Node { name, node: camera.node, projection, near, far, aspect: camera.aspect })
+}
+
+impl CameraSource {
+    /// Width over height, where the file says.
+    pub(super) fn aspect(&self) -> Option<f64> {
+        match self {
+            CameraSource::Node { aspect, .. } => *aspect,
+            CameraSource::Posed(_) => None,
+        }
+    }
+
+    /// The camera in scene space, given the nodes' pose at a time. A node's camera has its node's translation and the
+    /// orthonormalised rotation of its world matrix.
+    ///
+    /// # Errors
+    /// [`SceneError::Pose`] when the node's matrix is singular; [`SceneError::BadValue`] from the job's poses.
+    pub(super) fn at(&self, nodes: &[Node], pose: &Pose, origin: DVec3, time_s: f64) -> Result<Camera, SceneError> {
+        match self {
+            CameraSource::Posed(posed) => posed.at(origin, time_s),
+            CameraSource::Node { name, node, projection, near, far, .. } => {
+                let world = &pose.world_from_node[*node];
+                let world_from_camera = orthonormal_rotation(world.matrix3).ok_or_else(|| {
+                    nodes[*node].pose_error("the camera has no orientation, an axis is scaled to 0", time_s)
+                })?;
+                Ok(Camera {
+                    name: name.clone(),
+                    position: world.translation - origin,
+                    world_from_camera,
+                    projection: *projection,
+                    near: *near,
+                    far: *far,
+                })
+            }
+        }
+    }
+}

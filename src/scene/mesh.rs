@@ -1,0 +1,75 @@
+//! Building a [`Mesh`] from vertices and indices of any origin: only vertices in use are kept, flaws are found.
+
+use super::model::Mesh;
+use glam::DVec3;
+
+/// Collects triangles of one mesh.
+#[derive(Debug, Default)]
+pub(super) struct MeshBuilder {
+    /// So far.
+    pub mesh: Mesh,
+    /// Triangles left out because they have no area.
+    pub degenerate: usize,
+}
+
+/// Why triangles cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub(super) enum MeshFlaw {
+    /// An index beyond the vertices.
+    #[error("index {index} lies beyond the {vertices} vertices")]
+    Index { index: u32, vertices: usize },
+    /// NaN or infinity.
+    #[error("vertex {index} is not finite: {vertex}")]
+    NotFinite { index: u32, vertex: DVec3 },
+    /// The mesh outgrows its indices.
+    #[error("a mesh of more than 2^32 - 1 vertices")]
+    TooLarge,
+}
+
+/// Marks a vertex that has no place in the mesh yet.
+const UNUSED: u32 = u32::MAX;
+
+impl MeshBuilder {
+    /// Adds triangles that index `vertices`.
+    ///
+    /// # Errors
+    /// The first [`MeshFlaw`]; vertices that no triangle uses are not looked at.
+    pub(super) fn add(&mut self, vertices: &[DVec3], triangles: &[[u32; 3]]) -> Result<(), MeshFlaw> {
+        let mut place_of = vec![UNUSED; vertices.len()];
+        for triangle in triangles {
+            let mut corners = [DVec3::ZERO; 3];
+            for (corner, &index) in corners.iter_mut().zip(triangle) {
+                let vertex = vertices.get(index as usize);
+                *corner = *vertex.ok_or(MeshFlaw::Index { index, vertices: vertices.len() })?;
+                if !corner.is_finite() {
+                    return Err(MeshFlaw::NotFinite { index, vertex: *corner });
+                }
+            }
+            if !has_area(corners) {
+                self.degenerate += 1;
+                continue;
+            }
+            let mut kept = [0; 3];
+            for (kept, (&index, corner)) in kept.iter_mut().zip(triangle.iter().zip(corners)) {
+                let place = &mut place_of[index as usize];
+                if *place == UNUSED {
+                    *place = u32::try_from(self.mesh.vertices.len()).map_err(|_| MeshFlaw::TooLarge)?;
+                    if *place == UNUSED {
+                        return Err(MeshFlaw::TooLarge);
+                    }
+                    self.mesh.vertices.push(corner);
+                }
+                *kept = *place;
+            }
+            self.mesh.triangles.push(kept);
+        }
+        Ok(())
+    }
+}
+
+/// True when a triangle has an area, hence a normal. Exactly zero only: for f32 vertices of similar size the differences
+/// and products below are exact in f64, and a merely thin triangle casts a shadow like any other.
+pub(super) fn has_area(corners: [DVec3; 3]) -> bool {
+    let [a, b, c] = corners;
+    (b - a).cross(c - a) != DVec3::ZERO
+}

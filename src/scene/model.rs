@@ -1,0 +1,181 @@
+//! What the readers of files hand over: nodes, meshes, cameras and lights of all files of a job in one [`Model`].
+//! Nothing here is resolved yet; names may clash, and nothing has been chosen.
+
+use super::track::{Track, unit_quat};
+use super::{Projection, SceneError};
+use glam::{DAffine3, DQuat, DVec3};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Everything read so far.
+#[derive(Debug, Default)]
+pub(super) struct Model {
+    /// Parents before children.
+    pub nodes: Vec<Node>,
+    /// Referenced by index from `parts`.
+    pub meshes: Vec<Mesh>,
+    /// Meshes placed by nodes.
+    pub parts: Vec<Part>,
+    /// In file order.
+    pub cameras: Vec<FileCamera>,
+    /// In file order.
+    pub lights: Vec<FileLight>,
+    /// Time of the last key of any node, seconds; `None` without animation.
+    pub last_key_s: Option<f64>,
+    /// Every file read.
+    pub inputs: Vec<PathBuf>,
+    /// Remarks for the user.
+    pub notes: Vec<String>,
+}
+
+/// A transform in the hierarchy.
+#[derive(Debug)]
+pub(super) struct Node {
+    /// The file that holds it.
+    pub file: Arc<Path>,
+    /// As in the file.
+    pub name: Option<String>,
+    /// Index in the file, for messages.
+    pub index: usize,
+    /// Index into [`Model::nodes`], less than the node's own.
+    pub parent: Option<usize>,
+    /// At rest.
+    pub local: Local,
+    /// What the animation changes.
+    pub tracks: Tracks,
+}
+
+/// Parent-from-node at rest.
+#[derive(Debug)]
+pub(super) enum Local {
+    /// Given as a matrix; cannot be animated.
+    Matrix(DAffine3),
+    /// Scale, then rotation, then translation.
+    Trs {
+        /// Parent space.
+        translation: DVec3,
+        /// Unit.
+        rotation: DQuat,
+        /// Along the node's axes; may be negative.
+        scale: DVec3,
+    },
+}
+
+/// Animated properties of a node.
+#[derive(Debug, Default)]
+pub(super) struct Tracks {
+    /// Replaces the translation.
+    pub translation: Option<Track>,
+    /// Replaces the rotation.
+    pub rotation: Option<Track>,
+    /// Replaces the scale.
+    pub scale: Option<Track>,
+}
+
+impl Tracks {
+    /// True when nothing is animated.
+    pub(super) fn is_empty(&self) -> bool {
+        self.translation.is_none() && self.rotation.is_none() && self.scale.is_none()
+    }
+}
+
+impl Node {
+    /// For messages.
+    pub(super) fn place(&self) -> String {
+        place("node", self.index, self.name.as_deref())
+    }
+
+    /// Parent-from-node at a time.
+    pub(super) fn parent_from_node(&self, time_s: f64) -> Result<DAffine3, SceneError> {
+        let (translation, rotation, scale) = match self.local {
+            Local::Matrix(matrix) => return Ok(matrix),
+            Local::Trs { translation, rotation, scale } => (translation, rotation, scale),
+        };
+        let moved = |track: &Option<Track>, rest| track.as_ref().map_or(rest, |t| t.sample_vec3(time_s));
+        let rotation = match &self.tracks.rotation {
+            None => rotation,
+            Some(track) => unit_quat(track.sample(time_s))
+                .ok_or_else(|| self.pose_error("the animated rotation has no length; fix its keys", time_s))?,
+        };
+        Ok(DAffine3::from_scale_rotation_translation(
+            moved(&self.tracks.scale, scale),
+            rotation,
+            moved(&self.tracks.translation, translation),
+        ))
+    }
+
+    /// A [`SceneError::Pose`] at this node.
+    pub(super) fn pose_error(&self, problem: &str, time_s: f64) -> SceneError {
+        SceneError::Pose { path: self.file.to_path_buf(), place: self.place(), problem: problem.into(), time_s }
+    }
+}
+
+/// A thing in a file, for messages: `node 4 "lamp"`.
+pub(super) fn place(kind: &str, index: usize, name: Option<&str>) -> String {
+    name.map_or_else(|| format!("{kind} {index}"), |name| format!("{kind} {index} {name:?}"))
+}
+
+/// Indexed triangles in the space of a node. Vertices are finite, indices valid, no triangle has zero area.
+#[derive(Debug, Default)]
+pub(super) struct Mesh {
+    /// f64: OBJ files of surveys hold world coordinates that f32 loses.
+    pub vertices: Vec<DVec3>,
+    /// Counter-clockwise from the front.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+/// A mesh placed by a node.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Part {
+    /// Index into [`Model::nodes`].
+    pub node: usize,
+    /// Index into [`Model::meshes`].
+    pub mesh: usize,
+}
+
+/// A camera of a file.
+#[derive(Debug)]
+pub(super) struct FileCamera {
+    /// Index into [`Model::nodes`].
+    pub node: usize,
+    /// Of the camera itself.
+    pub name: Option<String>,
+    /// Vertical.
+    pub projection: Projection,
+    /// Width over height, where the file says.
+    pub aspect: Option<f64>,
+    /// Metres.
+    pub near: f64,
+    /// Metres; `None` = infinite.
+    pub far: Option<f64>,
+}
+
+/// A light of a file.
+#[derive(Debug)]
+pub(super) struct FileLight {
+    /// Index into [`Model::nodes`]; it shines along the node's -z.
+    pub node: usize,
+    /// Of the light itself.
+    pub name: Option<String>,
+    /// Without its placement.
+    pub kind: FileLightKind,
+}
+
+/// Kinds of KHR_lights_punctual.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum FileLightKind {
+    /// Parallel.
+    Directional,
+    /// All around.
+    Point {
+        /// Metres.
+        range: Option<f64>,
+    },
+    /// A cone.
+    Spot {
+        /// Half angle, radians.
+        cone_rad: f64,
+        /// Metres.
+        range: Option<f64>,
+    },
+}

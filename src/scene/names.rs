@@ -1,0 +1,103 @@
+//! Names of cameras and lights: how a job refers to them, and how they are listed.
+
+use super::model::Node;
+
+/// The names of one camera or light of a file.
+#[derive(Clone, Debug)]
+pub(super) struct Names {
+    /// Unique among its kind: the node's name, else its own, else the kind with a number; repeated ones numbered.
+    pub unique: String,
+    /// The other names it goes by.
+    pub also: Vec<String>,
+}
+
+/// Names of all things of a kind, given the nodes that hold them and their own names.
+pub(super) fn name_all<'a>(kind: &str, things: impl Iterator<Item = (&'a Node, Option<&'a str>)>) -> Vec<Names> {
+    let mut all: Vec<Names> = Vec::new();
+    for (index, (node, own)) in things.enumerate() {
+        let also: Vec<String> = node.name.as_deref().into_iter().chain(own).map(str::to_owned).collect();
+        let wish = also.iter().find(|name| !name.is_empty()).cloned().unwrap_or_else(|| format!("{kind}-{index}"));
+        let taken = |name: &String| all.iter().any(|other| other.unique == *name);
+        let numbered = std::iter::once(wish.clone()).chain((2..).map(|k| format!("{wish}-{k}")));
+        let unique = numbered.skip_while(taken).take(1).collect();
+        all.push(Names { unique, also });
+    }
+    all
+}
+
+/// What a name stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Found {
+    /// The only one, by its index.
+    One(usize),
+    /// Nothing.
+    None,
+    /// More than one.
+    Several,
+}
+
+/// The thing that goes by a name: unique names first, then the others.
+pub(super) fn find(all: &[Names], wanted: &str) -> Found {
+    if let Some(index) = all.iter().position(|names| names.unique == wanted) {
+        return Found::One(index);
+    }
+    let mut matches = (0..all.len()).filter(|&index| all[index].also.iter().any(|name| name == wanted));
+    match (matches.next(), matches.next()) {
+        (Some(index), None) => Found::One(index),
+        (None, _) => Found::None,
+        _ => Found::Several,
+    }
+}
+
+/// For messages: `"sun", "lamp"`, or `none`.
+pub(super) fn list(all: &[Names]) -> String {
+    if all.is_empty() {
+        return "none".into();
+    }
+    all.iter().map(|names| format!("{:?}", names.unique)).collect::<Vec<_>>().join(", ")
+}
+
+/// For messages: the nearest known name to one that was not found.
+pub(super) fn did_you_mean(all: &[Names], wanted: &str) -> String {
+    let names = all.iter().flat_map(|names| std::iter::once(&names.unique).chain(&names.also));
+    let nearest = names.map(|name| (strsim::damerau_levenshtein(name, wanted), name)).min();
+    match nearest {
+        Some((distance, name)) if distance <= wanted.chars().count() / 2 => format!(" (did you mean {name:?}?)"),
+        _ => String::new(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::model::{Local, Tracks};
+    use glam::DAffine3;
+    use std::path::Path;
+    use std::sync::Arc;
+
+    fn node(name: Option<&str>) -> Node {
+        Node {
+            file: Arc::from(Path::new("a.gltf")),
+            name: name.map(str::to_owned),
+            index: 0,
+            parent: None,
+            local: Local::Matrix(DAffine3::IDENTITY),
+            tracks: Tracks::default(),
+        }
+    }
+
+    #[test]
+    fn names_are_unique_and_found() {
+        let nodes = [node(Some("lamp")), node(Some("lamp")), node(None), node(None), node(Some("lamp-2"))];
+        let own = [Some("A"), Some("B"), Some("bulb"), None, Some("B")];
+        let all = name_all("light", nodes.iter().zip(own));
+        let unique: Vec<&str> = all.iter().map(|names| names.unique.as_str()).collect();
+        assert_eq!(unique, ["lamp", "lamp-2", "bulb", "light-3", "lamp-2-2"]);
+        assert_eq!(find(&all, "lamp"), Found::One(0));
+        assert_eq!(find(&all, "A"), Found::One(0));
+        assert_eq!(find(&all, "B"), Found::Several);
+        assert_eq!(find(&all, "x"), Found::None);
+        assert_eq!(did_you_mean(&all, "blub"), " (did you mean \"bulb\"?)");
+        assert_eq!(did_you_mean(&all, "xyzzy"), "");
+    }
+}

@@ -1,0 +1,212 @@
+//! Files and parameters → a [`Shot`]: the scene, the film and the frames to plan.
+
+use super::bake::{self, Bounds, Split, place_part};
+use super::camera_source::{self, CameraSource, Surroundings};
+use super::frames::{self, DEFAULT_FPS, FrameTime};
+use super::light_source::{self, LightSource};
+use super::model::{Mesh, Model, Node, Part};
+use super::pose::Pose;
+use super::{CameraParams, Film, FramesParams, ImageParams, LightParams, SceneError, SceneFrame, Triangle, gltf, obj};
+use glam::DVec3;
+use std::path::PathBuf;
+
+/// Width of the film where the job gives no size, pixels.
+const DEFAULT_WIDTH: u32 = 1920;
+/// Width over height of the film where neither job nor camera say.
+const DEFAULT_ASPECT: f64 = 16.0 / 9.0;
+/// Longest side of a film, pixels: 16 bits, as in most image formats.
+const MAX_SIDE: u32 = 65_535;
+
+/// The parts of a job that describe a shot.
+#[derive(Clone, Copy, Debug)]
+pub struct ShotParams<'a> {
+    /// Scene files, resolved; merged into one scene.
+    pub scene: &'a [PathBuf],
+    /// `[frames]`.
+    pub frames: &'a FramesParams,
+    /// `[image]`.
+    pub image: &'a ImageParams,
+    /// `[camera]`.
+    pub camera: &'a CameraParams,
+    /// `[[light]]`.
+    pub lights: &'a [LightParams],
+}
+
+/// What is to be planned.
+#[derive(Debug)]
+pub struct Shot {
+    /// Immutable from here on.
+    pub scene: Scene,
+    /// The image of every frame.
+    pub film: Film,
+    /// In the order of the range, each frame once, at least one.
+    pub frames: Vec<FrameTime>,
+}
+
+/// Everything there is, in scene space. Still and moving are told apart by the frames of the shot it was loaded for.
+#[derive(Debug)]
+pub struct Scene {
+    /// World position of scene space's zero, metres. Zero unless the scene lies far out for its size.
+    pub origin: DVec3,
+    /// Triangles that never move during the shot.
+    pub still: Vec<Triangle>,
+    /// Every file read: each scene file as given, followed by its buffers.
+    pub inputs: Vec<PathBuf>,
+    /// Remarks for the user, each once: what was ignored or dropped.
+    pub notes: Vec<String>,
+    nodes: Vec<Node>,
+    meshes: Vec<Mesh>,
+    moving: Vec<Part>,
+    animated: Vec<usize>,
+    first: Pose,
+    camera: CameraSource,
+    lights: Vec<LightSource>,
+}
+
+/// Reads the files and settles camera, lights, frames and film.
+///
+/// # Errors
+/// Any [`SceneError`]: unreadable or broken files, features not supported yet, an unsettled choice of camera or lights,
+/// keys that make no sense, transforms that break at some frame of the shot.
+pub fn load(params: &ShotParams<'_>) -> Result<Shot, SceneError> {
+    let mut model = read_all(params.scene)?;
+    let fps = params.frames.fps.unwrap_or(DEFAULT_FPS);
+    if !(fps > 0.0 && fps.is_finite()) {
+        return Err(SceneError::bad_value("frames.fps", fps, "must be positive"));
+    }
+    let frames = frame_times(params, &model, fps)?;
+    let lights = light_source::choose(params.lights, &model)?;
+
+    let split = bake::split(&model, &frames)?;
+    let origin = bake::origin(&split.bounds);
+    let first_s = frames.first().map_or(0.0, |frame| frame.time_s);
+    let still = bake_still(&mut model, &split, origin, first_s)?;
+    let moving = posed_triangles(&model.nodes, &model.meshes, &split.moving, &split.first, origin, first_s)?;
+    if still.is_empty() && moving.is_empty() {
+        let files: Vec<String> = params.scene.iter().map(|path| path.display().to_string()).collect();
+        return Err(SceneError::NoTriangles { files: files.join(", ") });
+    }
+    let around = surroundings(&still, &moving, &split.bounds, origin);
+    let film_of_poses = film(params.image, None)?;
+    let camera = camera_source::choose(params.camera, &model, fps, film_of_poses.aspect(), &around)?;
+    let film = film(params.image, camera.aspect())?;
+
+    let Model { nodes, mut meshes, inputs, notes, .. } = model;
+    for (index, mesh) in meshes.iter_mut().enumerate() {
+        if !split.moving.iter().any(|part| part.mesh == index) {
+            *mesh = Mesh::default();
+        }
+    }
+    let Split { moving, animated, first, .. } = split;
+    let scene = Scene { origin, still, inputs, notes, nodes, meshes, moving, animated, first, camera, lights };
+    Ok(Shot { scene, film, frames })
+}
+
+impl Scene {
+    /// Camera, lights and moving triangles at a time of one of the shot's frames. (At other times parts that happen to
+    /// stand still at all frames stay where they are.) Triangles that lose their area at that time are left out.
+    ///
+    /// # Errors
+    /// [`SceneError::Pose`] when a transform breaks at that time, [`SceneError::BadValue`] when a pose of the job does.
+    pub fn frame(&self, time_s: f64) -> Result<SceneFrame, SceneError> {
+        let mut pose = self.first.clone();
+        pose.move_to(&self.nodes, self.animated.iter().copied(), time_s)?;
+        let camera = self.camera.at(&self.nodes, &pose, self.origin, time_s)?;
+        let light = |light: &LightSource| light.at(&self.nodes, &pose, self.origin, time_s);
+        let lights = self.lights.iter().map(light).collect::<Result<_, _>>()?;
+        let moving = posed_triangles(&self.nodes, &self.meshes, &self.moving, &pose, self.origin, time_s)?;
+        Ok(SceneFrame { time_s, camera, lights, moving })
+    }
+}
+
+fn read_all(paths: &[PathBuf]) -> Result<Model, SceneError> {
+    let mut model = Model::default();
+    for path in paths {
+        let bytes = std::fs::read(path).map_err(|source| SceneError::Read { path: path.clone(), source })?;
+        model.inputs.push(path.clone());
+        let ends_in = |ending: &str| path.extension().is_some_and(|have| have.eq_ignore_ascii_case(ending));
+        if gltf::is_glb(&bytes) || ends_in("gltf") || ends_in("glb") {
+            gltf::read(path, bytes, &mut model)?;
+        } else if ends_in("obj") {
+            obj::read(path, &bytes, &mut model)?;
+        } else {
+            return Err(SceneError::UnknownFormat { path: path.clone() });
+        }
+    }
+    Ok(model)
+}
+
+/// The frames of the range, or of the whole animation: that of the files and the camera's keys.
+fn frame_times(params: &ShotParams<'_>, model: &Model, fps: f64) -> Result<Vec<FrameTime>, SceneError> {
+    let numbers = match &params.frames.range {
+        Some(range) => frames::parse_range(range)?,
+        None => {
+            let keys = params.camera.key.iter().map(|key| frames::time_s(key.frame, fps));
+            let last_s = keys.fold(model.last_key_s.unwrap_or(0.0), f64::max);
+            frames::whole_animation(last_s, fps)?
+        }
+    };
+    Ok(numbers.into_iter().map(|frame| FrameTime { frame, time_s: frames::time_s(frame as f64, fps) }).collect())
+}
+
+/// Places all still parts, and notes what was dropped.
+fn bake_still(model: &mut Model, split: &Split, origin: DVec3, time_s: f64) -> Result<Vec<Triangle>, SceneError> {
+    let count = |parts: &[Part]| parts.iter().map(|part| model.meshes[part.mesh].triangles.len() as u64).sum::<u64>();
+    let (count, all) = (count(&split.still), count(&split.still) + count(&split.moving));
+    // Triangles are numbered in u32 from here on.
+    let limit = u64::from(u32::MAX);
+    let mut still = Vec::new();
+    if all > limit || still.try_reserve_exact(count as usize).is_err() {
+        return Err(SceneError::TooManyTriangles { triangles: all, limit });
+    }
+    let mut dropped = 0;
+    for part in &split.still {
+        let (node, mesh) = (&model.nodes[part.node], &model.meshes[part.mesh]);
+        let world = &split.first.world_from_node[part.node];
+        dropped += place_part(node, mesh, world, origin, time_s, &mut still)?;
+    }
+    if dropped > 0 {
+        model.notes.push(format!("{dropped} triangles dropped that have no area once placed and rounded to f32"));
+    }
+    if origin != DVec3::ZERO {
+        model.notes.push(format!("the scene lies far out for its size; scene space has its zero at world {origin}"));
+    }
+    Ok(still)
+}
+
+fn posed_triangles(
+    nodes: &[Node],
+    meshes: &[Mesh],
+    parts: &[Part],
+    pose: &Pose,
+    origin: DVec3,
+    time_s: f64,
+) -> Result<Vec<Triangle>, SceneError> {
+    let mut triangles = Vec::with_capacity(parts.iter().map(|part| meshes[part.mesh].triangles.len()).sum());
+    for part in parts {
+        let world = &pose.world_from_node[part.node];
+        place_part(&nodes[part.node], &meshes[part.mesh], world, origin, time_s, &mut triangles)?;
+    }
+    Ok(triangles)
+}
+
+fn surroundings(still: &[Triangle], moving: &[Triangle], bounds: &Bounds, origin: DVec3) -> Surroundings {
+    let vertices = || still.iter().chain(moving).flatten().map(|v| v.as_dvec3());
+    let (centre, radius) = Bounds::sphere(vertices);
+    let centre = centre + origin;
+    let reach = bounds.corners().into_iter().map(|corner| corner.distance(centre)).fold(radius, f64::max);
+    Surroundings { centre, radius, reach, diagonal: bounds.diagonal() }
+}
+
+/// The film: as the job says, else 1920 wide at the camera's aspect.
+fn film(image: &ImageParams, aspect: Option<f64>) -> Result<Film, SceneError> {
+    if let Some([width, height]) = image.size {
+        if width == 0 || height == 0 || width > MAX_SIDE || height > MAX_SIDE {
+            let problem = format!("width and height must lie between 1 and {MAX_SIDE} pixels");
+            return Err(SceneError::bad_value("image.size", [width, height], problem));
+        }
+        return Ok(Film { width, height });
+    }
+    let height = (f64::from(DEFAULT_WIDTH) / aspect.unwrap_or(DEFAULT_ASPECT)).round();
+    Ok(Film { width: DEFAULT_WIDTH, height: height.clamp(1.0, f64::from(MAX_SIDE)) as u32 })
+}

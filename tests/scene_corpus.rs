@@ -1,0 +1,84 @@
+//! Loads every scene under the folder that LIXEL_SCENES names, and prints what came of it. Nothing is asserted but
+//! that each file either loads, with sound frames, or is refused with a message that names it. Without the variable
+//! there is nothing to do. LIXEL_POSES=1 prints every camera and light, for comparison with other readers.
+
+use lixel::scene::{CameraParams, FramesParams, ImageParams, LightKindName, LightParams, Shot, ShotParams, load};
+use std::path::{Path, PathBuf};
+
+fn files(folder: &Path, out: &mut Vec<PathBuf>) {
+    let mut entries: Vec<PathBuf> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    entries.sort();
+    for path in entries {
+        if path.is_dir() {
+            files(&path, out);
+        } else if path.extension().is_some_and(|ending| ["gltf", "glb", "obj"].iter().any(|known| ending == *known)) {
+            out.push(path);
+        }
+    }
+}
+
+/// The file's own camera and lights where they settle it, else a view of everything and a sun.
+fn try_load(path: &Path) -> Result<Shot, String> {
+    let scene = [path.to_owned()];
+    let own = CameraParams::default();
+    let all = CameraParams { frame_all: true, ..CameraParams::default() };
+    let sun = [LightParams {
+        name: "sun".into(),
+        kind: Some(LightKindName::Directional),
+        direction: Some([-1.0, -2.0, -0.5]),
+        ..LightParams::default()
+    }];
+    let (frames, image) = (FramesParams::default(), ImageParams::default());
+    let mut last = Err(String::new());
+    for (camera, lights) in [(&own, &[][..]), (&own, &sun), (&all, &[]), (&all, &sun)] {
+        let params = ShotParams { scene: &scene, frames: &frames, image: &image, camera, lights };
+        last = load(&params).map_err(|error| error.to_string());
+        if last.is_ok() {
+            break;
+        }
+    }
+    last
+}
+
+fn describe(shot: &Shot) -> String {
+    let mut moving = 0;
+    for time in &shot.frames {
+        let frame = shot.scene.frame(time.time_s).unwrap();
+        let m = frame.camera.world_from_camera;
+        assert!((m.transpose() * m).abs_diff_eq(glam::DMat3::IDENTITY, 1e-12) && m.determinant() > 0.0);
+        moving = moving.max(frame.moving.len());
+        if std::env::var_os("LIXEL_POSES").is_some() {
+            println!("POSE {} {:?} {:?}", time.frame, frame.camera.position.to_array(), m.to_cols_array());
+            for light in &frame.lights {
+                println!("LIGHT {} {light:?}", time.frame);
+            }
+        }
+    }
+    let frame = shot.scene.frame(shot.frames[0].time_s).unwrap();
+    let lights: Vec<&str> = frame.lights.iter().map(|light| light.name.as_str()).collect();
+    format!(
+        "{} still + {moving} moving triangles, {} frames, {:?}, camera {:?}, lights {lights:?}, origin {}, {:?}",
+        shot.scene.still.len(),
+        shot.frames.len(),
+        shot.film,
+        frame.camera.name,
+        shot.scene.origin,
+        shot.scene.notes
+    )
+}
+
+#[test]
+fn scenes_load_or_are_refused_by_name() {
+    let Some(folder) = std::env::var_os("LIXEL_SCENES") else { return };
+    let mut paths = Vec::new();
+    files(Path::new(&folder), &mut paths);
+    for path in paths {
+        match try_load(&path) {
+            Ok(shot) => println!("{}: {}", path.display(), describe(&shot)),
+            Err(message) => {
+                println!("refused: {message}");
+                assert!(message.contains(path.file_name().unwrap().to_str().unwrap()), "{message}");
+            }
+        }
+    }
+}
