@@ -74,8 +74,8 @@ fn fill_block(band: &mut Band, setup: &Setup, block: i32, y0: i32, y1: i32) {
         let j = (i + 1) % 3;
         let (dx, dy) = (setup.x[j] - setup.x[i], setup.y[j] - setup.y[i]);
         let e = dx * (y0 * SUBTEXELS + half - setup.y[i]) - dy * (block * SUBTEXELS + half - setup.x[i]) + tie(dx, dy);
-        for lane in 0..LANES {
-            edges[i][lane] = e - dy * SUBTEXELS * lane as i32;
+        for (lane, edge) in edges[i].iter_mut().enumerate() {
+            *edge = e - dy * SUBTEXELS * lane as i32;
         }
         rise[i] = dx * SUBTEXELS;
     }
@@ -96,9 +96,9 @@ fn fill_block(band: &mut Band, setup: &Setup, block: i32, y0: i32, y1: i32) {
                 texels[lane] = nearer(depth, texels[lane]);
             }
         }
-        for i in 0..3 {
-            for lane in 0..LANES {
-                edges[i][lane] = edges[i][lane].wrapping_add(rise[i]);
+        for (edge, rise) in edges.iter_mut().zip(rise) {
+            for lane in edge {
+                *lane = lane.wrapping_add(rise);
             }
         }
     }

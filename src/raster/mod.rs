@@ -100,7 +100,9 @@ pub enum RasterError {
         value: f64,
     },
     /// The bias is NaN, or its constant or slope is infinite.
-    #[error("the depth bias {bias:?} cannot be applied: constant and slope must be finite, and clamp a number or infinity")]
+    #[error(
+        "the depth bias {bias:?} cannot be applied: constant and slope must be finite, and clamp a number or infinity"
+    )]
     Bias {
         /// As given.
         bias: Bias,
@@ -151,7 +153,7 @@ pub fn draw_into(
     map.depth.resize(texels, FAR);
     let band_texels = view.bands.rows as usize * map.width as usize;
 
-    let chunks: Vec<(u32, &[Triangle])> = chunks(geometry);
+    let chunks = chunks(geometry);
     let mut counts = Counts::default();
     let mut clear = true;
     // The first batch clears, so an empty scene still needs one.
@@ -178,7 +180,7 @@ pub fn draw_into(
 }
 
 /// The triangles in runs of [`CHUNK_TRIANGLES`], each with the index of its first.
-fn chunks(geometry: Geometry) -> Vec<(u32, &[Triangle])> {
+fn chunks(geometry: Geometry<'_>) -> Vec<(u32, &[Triangle])> {
     let mut first = 0;
     let mut chunks = Vec::new();
     for part in [geometry.still, geometry.moving] {
