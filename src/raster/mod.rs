@@ -1,1 +1,205 @@
-//! (this room is being built)
+//! Triangles and a light matrix → shadow-map depth, in software, by the rules a GPU follows.
+//!
+//! Rules, those of OpenGL with `DEPTH_COMPONENT32F` and no colour: triangles are clipped in homogeneous space against
+//! -w ≤ z ≤ w, so that w > 0 remains; vertices are snapped to 1/256 texel and a texel is covered when its centre is
+//! inside by exact integer edge functions, ties by the top-left rule, so that meshes neither crack nor draw a texel
+//! twice (Pineda, *A Parallel Algorithm for Polygon Rasterization*, 1988). Both faces are drawn; the nearest depth wins.
+//! Window depth is 0.5 z/w + 0.5. It is affine in window space even under a projective warp, because one matrix makes
+//! x/w, y/w and z/w, so each triangle has one plane; it is evaluated in f64, and clamped to the triangle's own
+//! depths, which tames slivers. Then the bias is added and the sum is rounded to f32.
+//!
+//! Deviation from hardware: the plane comes from the unsnapped vertices, so that depth does not jitter by 1/256 texel.
+//!
+//! The work is sort-middle: chunks of triangles are transformed and set up in parallel and binned by bands of rows
+//! ([`bins`]), then each band is cleared and filled by one thread ([`fill`]). No texel is shared, and a minimum does not
+//! ask for order: the same bytes for any number of threads.
+
+mod bins;
+mod clip;
+mod fill;
+mod kernel;
+mod setup;
+mod view;
+
+use glam::DMat4;
+use rayon::prelude::*;
+
+use crate::scene::{Geometry, Triangle};
+use view::View;
+
+/// Largest map width and height, texels: what GPUs offer; edge functions stay exact far beyond it.
+pub const SIZE_MAX: u32 = 16384;
+
+/// The depth of a texel that nothing was drawn to.
+pub const FAR: f32 = 1.0;
+
+/// Triangles set up by one task. Large enough that a chunk's lists cost nothing, small enough to share out and to stay in
+/// a second-level cache.
+const CHUNK_TRIANGLES: usize = 4096;
+
+/// Triangles set up before their bands are filled: bounds the memory of set-up triangles to about 64 MiB.
+const BATCH_CHUNKS: usize = 256;
+
+/// A shadow map.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DepthMap {
+    /// Texels.
+    pub width: u32,
+    /// Texels.
+    pub height: u32,
+    /// Window depth, row by row from the bottom, `width * height` values in [0, 1]; [`FAR`] where nothing was drawn.
+    pub depth: Vec<f32>,
+}
+
+/// Depth added to what is stored: `constant + min(slope * max(|z_u|, |z_v|), clamp)`, as GL's polygon offset.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bias {
+    /// Window depth.
+    pub constant: f64,
+    /// Factor on max(|z_u|, |z_v|), the plane's slope in window depth per texel.
+    pub slope: f64,
+    /// Largest slope term, window depth; infinity = none.
+    pub clamp: f64,
+}
+
+impl Bias {
+    /// Depth as it is.
+    pub const NONE: Self = Self { constant: 0.0, slope: 0.0, clamp: f64::INFINITY };
+}
+
+/// What drawing took.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Triangles that the caller kept.
+    pub kept: u64,
+    /// Of those, triangles with a texel centre in the bounding box of what lies inside the clip volume.
+    pub drawn: u64,
+}
+
+/// Why no map was drawn.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum RasterError {
+    /// A side is zero or above [`SIZE_MAX`].
+    #[error("a shadow map of {width} x {height} texels cannot be drawn: choose sides of 1 to {SIZE_MAX} texels")]
+    Size {
+        /// Texels.
+        width: u32,
+        /// Texels.
+        height: u32,
+    },
+    /// The matrix has an entry that is NaN or infinite.
+    #[error(
+        "the light matrix has the value {value} in row {row}, column {column} (from 0): only finite matrices can be drawn"
+    )]
+    Matrix {
+        /// From 0.
+        row: usize,
+        /// From 0.
+        column: usize,
+        /// The entry.
+        value: f64,
+    },
+    /// The bias is NaN, or its constant or slope is infinite.
+    #[error(
+        "the depth bias {bias:?} cannot be applied: constant and slope must be finite, and clamp a number or infinity"
+    )]
+    Bias {
+        /// As given.
+        bias: Bias,
+    },
+}
+
+impl DepthMap {
+    /// A map of the far depth.
+    ///
+    /// # Errors
+    /// [`RasterError::Size`].
+    pub fn cleared(width: u32, height: u32) -> Result<Self, RasterError> {
+        let texels = texels(width, height)?;
+        Ok(Self { width, height, depth: vec![FAR; texels] })
+    }
+}
+
+/// Draws all triangles into a new map of `width` x `height` texels, seen through `clip_from_scene` (OpenGL clip space).
+///
+/// # Errors
+/// [`RasterError`]: a size, matrix or bias that cannot be drawn.
+pub fn draw(
+    geometry: Geometry,
+    clip_from_scene: &DMat4,
+    width: u32,
+    height: u32,
+    bias: Bias,
+) -> Result<DepthMap, RasterError> {
+    // Zeroed memory is handed out untouched: bands clear it where they fill it.
+    let mut map = DepthMap { width, height, depth: vec![0.0; texels(width, height)?] };
+    draw_into(&mut map, geometry, clip_from_scene, bias, |_| true)?;
+    Ok(map)
+}
+
+/// Clears `map` and draws the triangles whose index `keep` accepts, reusing its memory.
+///
+/// # Errors
+/// [`RasterError`]: a size, matrix or bias that cannot be drawn; the map is then as it was.
+pub fn draw_into(
+    map: &mut DepthMap,
+    geometry: Geometry,
+    clip_from_scene: &DMat4,
+    bias: Bias,
+    keep: impl Fn(u32) -> bool + Sync,
+) -> Result<Counts, RasterError> {
+    let texels = texels(map.width, map.height)?;
+    let view = View::new(clip_from_scene, map.width, map.height, bias)?;
+    map.depth.resize(texels, FAR);
+    let band_texels = view.bands.rows as usize * map.width as usize;
+
+    let chunks = chunks(geometry);
+    let mut counts = Counts::default();
+    let mut clear = true;
+    // The first batch clears, so an empty scene still needs one.
+    let batches = chunks.len().div_ceil(BATCH_CHUNKS).max(1);
+    for batch in 0..batches {
+        let end = chunks.len().min((batch + 1) * BATCH_CHUNKS);
+        let t0 = std::time::Instant::now();
+        let bins: Vec<bins::Bins> = chunks[batch * BATCH_CHUNKS..end]
+            .par_iter()
+            .map(|&(first, triangles)| kernel::set_up_chunk(&view, first, triangles, &keep))
+            .collect();
+        let t1 = std::time::Instant::now();
+        map.depth.par_chunks_mut(band_texels).enumerate().for_each(|(band, depth)| {
+            if clear {
+                depth.fill(FAR);
+            }
+            kernel::fill_band(&view, band, depth, &bins);
+        });
+        clear = false;
+        if std::env::var_os("RT").is_some() { eprintln!("setup {:?} fill {:?} counts {}", t1-t0, t1.elapsed(), bins.iter().map(|b| b.setups.len()).sum::<usize>()); }
+        for chunk in &bins {
+            counts.kept += u64::from(chunk.kept);
+            counts.drawn += u64::from(chunk.drawn);
+        }
+    }
+    Ok(counts)
+}
+
+/// The triangles in runs of [`CHUNK_TRIANGLES`], each with the index of its first.
+fn chunks(geometry: Geometry<'_>) -> Vec<(u32, &[Triangle])> {
+    let mut first = 0;
+    let mut chunks = Vec::new();
+    for part in [geometry.still, geometry.moving] {
+        for triangles in part.chunks(CHUNK_TRIANGLES) {
+            chunks.push((first, triangles));
+            first += triangles.len() as u32;
+        }
+    }
+    chunks
+}
+
+/// Number of texels of a map of legal size.
+fn texels(width: u32, height: u32) -> Result<usize, RasterError> {
+    let legal = 1..=SIZE_MAX;
+    if !legal.contains(&width) || !legal.contains(&height) {
+        return Err(RasterError::Size { width, height });
+    }
+    Ok(width as usize * height as usize)
+}

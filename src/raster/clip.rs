@@ -1,0 +1,102 @@
+//! Triangles that cross the near or far plane or leave the guard band: clipped in homogeneous window space.
+//!
+//! Sutherland and Hodgman, *Reentrant polygon clipping*, 1974. A cut is always computed from the end inside to the end
+//! outside, so two triangles that share an edge cut it at the same point: no cracks. 0 ≤ Z ≤ w leaves w ≥ 0, and
+//! w = 0 only at the homogeneous origin, which has no position and is dropped.
+
+use super::setup::{Setup, Slope, Vertex};
+use super::view::View;
+
+/// Three vertices and one more for each of the six planes.
+const VERTICES_MAX: usize = 9;
+
+/// A convex polygon of at most [`VERTICES_MAX`] vertices.
+struct Polygon {
+    vertices: [[f64; 4]; VERTICES_MAX],
+    len: usize,
+}
+
+impl Polygon {
+    fn push(&mut self, vertex: [f64; 4]) {
+        // Rounding can make a polygon cross a plane more than twice; what does not fit is without extent.
+        if self.len < VERTICES_MAX {
+            self.vertices[self.len] = vertex;
+            self.len += 1;
+        }
+    }
+}
+
+/// Clips a triangle given in homogeneous window space, sets the pieces up and hands them on.
+pub(super) fn clip(view: &View, triangle: &[[f64; 4]; 3], mut piece: impl FnMut(Setup)) {
+    if outside_map(view, triangle) {
+        return;
+    }
+    let mut polygon = Polygon { vertices: [[0.0; 4]; VERTICES_MAX], len: 3 };
+    polygon.vertices[..3].copy_from_slice(triangle);
+    for plane in 0..6 {
+        polygon = cut(view, &polygon, plane);
+    }
+    let mut window = [Vertex { x: 0.0, y: 0.0, z: 0.0 }; VERTICES_MAX];
+    let mut len = 0;
+    for &vertex in &polygon.vertices[..polygon.len] {
+        let vertex = Vertex::from_homogeneous(vertex);
+        if vertex.is_finite() {
+            window[len] = vertex;
+            len += 1;
+        }
+    }
+    let slope = homogeneous_slope(triangle);
+    for i in 2..len {
+        if let Some(setup) = Setup::new(view, &[window[0], window[i - 1], window[i]], slope) {
+            piece(setup);
+        }
+    }
+}
+
+/// True when all vertices lie beyond the same side of the map, or one is not a number.
+fn outside_map(view: &View, triangle: &[[f64; 4]; 3]) -> bool {
+    let (width, height) = (f64::from(view.width), f64::from(view.height));
+    let all = |outside: &dyn Fn(&[f64; 4]) -> bool| triangle.iter().all(outside);
+    all(&|p| p[0] < 0.0)
+        || all(&|p| p[0] > width * p[3])
+        || all(&|p| p[1] < 0.0)
+        || all(&|p| p[1] > height * p[3])
+        || all(&|p| p[2] < 0.0)
+        || all(&|p| p[2] > p[3])
+        || triangle.iter().flatten().any(|t| !t.is_finite())
+}
+
+/// The part of a polygon on the inner side of one plane of [`View::distances`].
+fn cut(view: &View, polygon: &Polygon, plane: usize) -> Polygon {
+    let mut inner = Polygon { vertices: [[0.0; 4]; VERTICES_MAX], len: 0 };
+    let vertices = &polygon.vertices[..polygon.len];
+    for (i, &vertex) in vertices.iter().enumerate() {
+        let next = vertices[(i + 1) % vertices.len()];
+        let (d, d_next) = (view.distances(vertex)[plane], view.distances(next)[plane]);
+        if d >= 0.0 {
+            inner.push(vertex);
+        }
+        if d >= 0.0 && d_next < 0.0 {
+            inner.push(crossing(vertex, next, d / (d - d_next)));
+        } else if d < 0.0 && d_next >= 0.0 {
+            inner.push(crossing(next, vertex, d_next / (d_next - d)));
+        }
+    }
+    inner
+}
+
+/// The point at `t` from `inside` to `outside`.
+fn crossing(inside: [f64; 4], outside: [f64; 4], t: f64) -> [f64; 4] {
+    std::array::from_fn(|i| inside[i] + t * (outside[i] - inside[i]))
+}
+
+/// Slope of the depth plane from the whole triangle, wherever its vertices lie: with Z = u X + v Y + c w at all three,
+/// Cramer's rule gives u and v.
+fn homogeneous_slope([a, b, c]: &[[f64; 4]; 3]) -> Option<Slope> {
+    let det = |i: usize, j: usize, k: usize| {
+        a[i] * (b[j] * c[k] - b[k] * c[j]) - a[j] * (b[i] * c[k] - b[k] * c[i]) + a[k] * (b[i] * c[j] - b[j] * c[i])
+    };
+    let whole = det(0, 1, 3);
+    let slope = Slope { u: det(2, 1, 3) / whole, v: det(0, 2, 3) / whole };
+    (slope.u.is_finite() && slope.v.is_finite()).then_some(slope)
+}

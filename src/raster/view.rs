@@ -1,0 +1,98 @@
+//! What every triangle of a draw shares: the matrix to homogeneous window space, the map's size, the bias, the bands.
+//!
+//! Homogeneous window space is clip space after the viewport but before the division: (X, Y, Z, w) with X/w and Y/w in
+//! texels from the bottom left corner and Z/w the window depth. Clipping is linear there too, and a vertex has one
+//! window position whether its triangle was clipped or not: no cracks between the two.
+
+use glam::{DMat4, DVec4, Vec3};
+
+use super::{Bias, RasterError};
+
+/// Texels beyond which triangles are clipped, on each side of the map. Snapped coordinates then stay within 2^29
+/// subtexels, and edge functions within 2^60: exact in i64.
+pub(super) const GUARD_TEXELS: f64 = 1_048_576.0;
+
+/// A band's memory, texels: 256 KiB of depth, so that a band is filled within a second-level cache.
+const BAND_TEXELS: u32 = 65_536;
+
+/// Fewest and most rows of a band: few enough bands that triangles rarely span many, enough to share out.
+const BAND_ROWS: (u32, u32) = (8, 32);
+
+/// A partition of the map into runs of rows.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Bands {
+    /// Rows of each band; the last may have fewer.
+    pub(super) rows: u32,
+    /// Number of bands.
+    pub(super) count: u32,
+}
+
+/// What every triangle of a draw shares.
+#[derive(Clone, Debug)]
+pub(super) struct View {
+    /// Columns of the matrix to homogeneous window space.
+    pub(super) window_from_scene: [[f64; 4]; 4],
+    /// Texels.
+    pub(super) width: u32,
+    /// Texels.
+    pub(super) height: u32,
+    /// Added to what is stored.
+    pub(super) bias: Bias,
+    /// Rows by owner.
+    pub(super) bands: Bands,
+}
+
+impl View {
+    /// Checks matrix and bias; the size is legal.
+    pub(super) fn new(clip_from_scene: &DMat4, width: u32, height: u32, bias: Bias) -> Result<Self, RasterError> {
+        for (column, entries) in clip_from_scene.to_cols_array_2d().iter().enumerate() {
+            for (row, &value) in entries.iter().enumerate() {
+                if !value.is_finite() {
+                    return Err(RasterError::Matrix { row, column, value });
+                }
+            }
+        }
+        if !bias.constant.is_finite() || !bias.slope.is_finite() || bias.clamp.is_nan() {
+            return Err(RasterError::Bias { bias });
+        }
+        let (half_width, half_height) = (0.5 * f64::from(width), 0.5 * f64::from(height));
+        let window_from_clip = DMat4::from_cols(
+            DVec4::new(half_width, 0.0, 0.0, 0.0),
+            DVec4::new(0.0, half_height, 0.0, 0.0),
+            DVec4::new(0.0, 0.0, 0.5, 0.0),
+            DVec4::new(half_width, half_height, 0.5, 1.0),
+        );
+        let rows = (BAND_TEXELS / width).clamp(BAND_ROWS.0, BAND_ROWS.1);
+        Ok(Self {
+            window_from_scene: (window_from_clip * *clip_from_scene).to_cols_array_2d(),
+            width,
+            height,
+            bias,
+            bands: Bands { rows, count: height.div_ceil(rows) },
+        })
+    }
+
+    /// Homogeneous window position of a scene point.
+    #[inline(always)]
+    pub(super) fn project(&self, point: Vec3) -> [f64; 4] {
+        let [c0, c1, c2, c3] = &self.window_from_scene;
+        let (x, y, z) = (f64::from(point.x), f64::from(point.y), f64::from(point.z));
+        std::array::from_fn(|row| (c0[row] * x + c1[row] * y) + (c2[row] * z + c3[row]))
+    }
+
+    /// Signed distances of a homogeneous window position to the clip planes, positive inside: near, far, and the guard
+    /// band's left, right, bottom and top.
+    #[inline(always)]
+    pub(super) fn distances(&self, p: [f64; 4]) -> [f64; 6] {
+        let [x, y, z, w] = p;
+        let guard = GUARD_TEXELS * w;
+        [
+            z,
+            w - z,
+            x + guard,
+            (f64::from(self.width) * w - x) + guard,
+            y + guard,
+            (f64::from(self.height) * w - y) + guard,
+        ]
+    }
+}
