@@ -1,1 +1,20 @@
-//! (this room is being built)
+//! Row 3, near and far, and bias for a chosen homography, from the triangles it keeps (math note §7).
+//!
+//! Along a light ray a caster has a smaller w (point, spot) or a smaller d = r3·X (directional) than its receiver. No row
+//! of a 4x4 matrix gives depth along the light exactly under a warp; the row is linear:
+//!
+//! ```text
+//! point, spot:   z/w = (g·q + B) / w,      B < 0,  largest |B| with  -w ≤ g·q + B ≤ w
+//! directional:   z/w = (g·q + β d) / w,    β > 0,  largest β  with  -w ≤ g·q + β d ≤ w
+//! ```
+//!
+//! over everything kept: casters between the light and what is covered, inside the map, and every visible point that
+//! looks the map up. Both are one linear program in four unknowns on homogeneous vectors (q, e), e = 1 or d.
+
+mod bias;
+mod kept;
+mod row;
+
+pub use bias::{BiasUnits, CONSTANT_F32, bias_units};
+pub use kept::{Kept, kept_points};
+pub use row::{DepthError, DepthRow, fit_row};

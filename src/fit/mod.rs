@@ -11,7 +11,7 @@ mod polar;
 mod search;
 
 pub use affine::{AffineFit, Aspect, fit_affine, refine_affine};
-pub use normalise::{Normalisation, normalise};
-pub use params::{Effort, Metric, Shape, SolverParams};
+pub use normalise::{Normalisation, normalise, normalise_similar};
+pub use params::{Effort, Shape, SolverParams};
 pub use polar::PolarPolygon;
-pub use search::{Fit, FitProblem, Termination, minimise, minimise_exhaustive};
+pub use search::{Fit, FitProblem, Termination, minimise, minimise_exhaustive, unit_square_rows};

@@ -1,20 +1,8 @@
 //! `[solver]` and the shape of a map.
 
+use crate::metric::Metric;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-
-/// What the fit minimises over the edge samples.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum Metric {
-    /// Sum of ‖J⁻¹‖² (SOSM eq. 6).
-    L2,
-    /// Sum of the expected edge displacement.
-    Displacement,
-    /// Sum of the expected edge displacement, saturating where it grows wider than the room beside the edge.
-    #[default]
-    Saturating,
-}
 
 /// How hard the projective part is searched for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]

@@ -244,7 +244,7 @@ fn finish(
 }
 
 /// Rows that take a hull to the unit square (less a border) with axes normal to the given angles; det > 0.
-pub(super) fn unit_square_rows(hull: &[DVec2], base: &[DVec3; 3], angles: [f64; 2]) -> Option<[DVec3; 3]> {
+pub fn unit_square_rows(hull: &[DVec2], base: &[DVec3; 3], angles: [f64; 2]) -> Option<[DVec3; 3]> {
     let [b1, b2, p4] = *base;
     let row = |angle: f64| {
         let n = DVec2::from_angle(angle);

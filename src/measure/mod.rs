@@ -1,1 +1,8 @@
-//! (this room is being built)
+//! (scene view, light, maps) → wrong pixels against exact visibility. Takes maps, not a plan; shares no metric, sample or
+//! fit with what it judges.
+
+mod count;
+mod receivers;
+
+pub use count::{Counts, Drawn, Errors, Looked, Outside, count, look_up, wrong};
+pub use receivers::Receivers;

@@ -11,9 +11,11 @@
 
 mod displacement;
 mod moments;
+mod weights;
 
 pub use displacement::{Displacement, displacement, expected_displacement, inverse_jacobian_norm2};
 pub use moments::Moments;
+pub use weights::{Metric, cost, moments_of};
 
 use glam::{DVec2, DVec3};
 

@@ -1,1 +1,13 @@
-//! (this room is being built)
+//! → the shadow edges and the covered points of one light: what metric and fit see of a frame.
+//!
+//! A coarse grid over the film is seen once for all lights ([`GridView`]). For a light, each grid step across which the
+//! shadow answer changes is bisected with exact rays ([`Crossing`]); crossings around a cell are joined to segments, which
+//! carry the edge's place, normal and length on the film ([`edges`]).
+
+mod crossing;
+mod edges;
+mod grid;
+
+pub use crossing::{Crossing, CrossingKind};
+pub use edges::{EdgePoint, LightSamples, sample_light};
+pub use grid::{Grid, GridView};

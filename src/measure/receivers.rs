@@ -1,0 +1,56 @@
+//! The film pixels that ask a light's map a question, with the exact answer.
+
+use crate::scene::{Camera, Light};
+use crate::visibility::{Answer, RayOffset, Tracer, View, classify};
+use glam::DVec3;
+
+/// Pixels facing a light and within its reach: structure of arrays.
+#[derive(Clone, Debug, Default)]
+pub struct Receivers {
+    /// Pixel, row by row from the top.
+    pub pixels: Vec<u32>,
+    /// Scene point seen there.
+    pub positions: Vec<DVec3>,
+    /// The exact answer.
+    pub shadowed: Vec<bool>,
+}
+
+impl Receivers {
+    /// Classifies a film exactly for one light.
+    pub fn classify(tracer: &Tracer, view: &View, camera: &Camera, light: &Light, offset: RayOffset) -> Receivers {
+        let answers = classify(tracer, view, camera, light, offset);
+        let mut receivers = Receivers::default();
+        for (pixel, answer) in answers.iter().enumerate() {
+            if *answer == Answer::Unlit {
+                continue;
+            }
+            let width = view.film.width as usize;
+            let (x, y) = ((pixel % width) as f64 + 0.5, (pixel / width) as f64 + 0.5);
+            let (origin, direction) = camera.ray(view.film, x, y);
+            receivers.pixels.push(pixel as u32);
+            receivers.positions.push(origin + direction * view.depths_m[pixel]);
+            receivers.shadowed.push(*answer == Answer::Shadowed);
+        }
+        receivers
+    }
+
+    /// Number of receivers.
+    pub fn len(&self) -> usize {
+        self.pixels.len()
+    }
+
+    /// True when no pixel faces the light.
+    pub fn is_empty(&self) -> bool {
+        self.pixels.is_empty()
+    }
+
+    /// Positions with the given exact answer.
+    pub fn positions_where(&self, shadowed: bool) -> Vec<DVec3> {
+        self.positions.iter().zip(&self.shadowed).filter(|(_, s)| **s == shadowed).map(|(p, _)| *p).collect()
+    }
+
+    /// Number of receivers in shadow.
+    pub fn shadowed_count(&self) -> u64 {
+        self.shadowed.iter().filter(|s| **s).count() as u64
+    }
+}

@@ -1,0 +1,93 @@
+//! lixel: the exact minimum over all allowed matrices of the expected displacement of the shadow edges (math note §4-5).
+//!
+//! The p-norm and saturating metrics are minimised by reweighting: each round's 36 moments are those of the quadratic
+//! that touches the metric at the present displacement (iteratively reweighted least squares), always from the base
+//! weights. The iterate with the lowest metric of its own is kept, not the last.
+
+use super::plane::Plane;
+use super::region::{Region, Report, texel_rows};
+use super::{Inapplicable, Inputs};
+use crate::fit::{Effort, Fit, FitProblem, minimise};
+use crate::math::LightSpace;
+use crate::metric::{Metric, Moments, cost, moments_of};
+use glam::{DVec2, DVec3};
+
+/// Solves one region.
+pub(super) fn solve(inputs: &Inputs, axis: Option<DVec3>) -> Result<Region, Inapplicable> {
+    let plane = plane_of(inputs, axis, false)?;
+    let solver = inputs.solver;
+    let mut evaluations = 0;
+    let mut fit = |moments: &Moments, effort: Effort, starts: &[DVec2]| -> Option<Fit> {
+        let problem = FitProblem {
+            moments,
+            hull: &plane.hull,
+            normalisation: &plane.normalisation,
+            aspect: inputs.aspect,
+            shape: inputs.shape,
+            directional: plane.space.directional,
+        };
+        let fit = minimise(&problem, effort, solver.tolerance, starts)?;
+        evaluations += fit.evaluations;
+        Some(fit)
+    };
+    let metric = solver.metric;
+    let first = if plane.samples.is_empty() { isotropic() } else { moments_of(&plane.samples, metric, None) };
+    let start = fit(&first, solver.effort, &[]).ok_or(Inapplicable::NoFiniteFit)?;
+    let rows_of = |fit: &Fit| texel_rows(&fit.rows, fit.aspect, inputs.texels);
+    let mut best = (cost(&plane.samples, metric, &rows_of(&start)), start);
+    let mut rounds = 0;
+    if metric != Metric::L2 && !plane.samples.is_empty() {
+        let mut current = start;
+        for round in 0..solver.rounds {
+            let moments = moments_of(&plane.samples, metric, Some(&rows_of(&current)));
+            let effort = if round == 0 { solver.effort } else { Effort::Local };
+            let Some(next) = fit(&moments, effort, &[best.1.ab, current.ab]) else { break };
+            rounds += 1;
+            let value = cost(&plane.samples, metric, &rows_of(&next));
+            current = next;
+            let gained = best.0 - value;
+            if gained > 0.0 {
+                best = (value, next);
+            }
+            if gained <= solver.tolerance * best.0 {
+                break;
+            }
+        }
+    }
+    let fit = best.1;
+    let report = Report {
+        evaluations,
+        samples: plane.samples.len() as u64,
+        grazing: plane.grazing,
+        rounds,
+        spread: fit.spread,
+        gap: fit.gap,
+        termination: fit.termination,
+    };
+    Ok(Region::new(plane, fit.rows, fit.aspect, report))
+}
+
+/// The light plane of the region's cover, around a given axis or one of its own.
+pub(super) fn plane_of(inputs: &Inputs, axis: Option<DVec3>, similar: bool) -> Result<Plane, Inapplicable> {
+    let space = match (axis, inputs.light.position()) {
+        (Some(axis), Some(position)) => LightSpace::perspective(position, axis, centre(inputs.covered)),
+        _ => LightSpace::around(inputs.light, inputs.covered)?,
+    };
+    Plane::new(inputs, space, inputs.covered, inputs.edges, similar).ok_or(Inapplicable::NoFiniteFit)
+}
+
+/// Mean of points.
+pub(super) fn centre(points: &[DVec3]) -> DVec3 {
+    let first = points.first().copied().unwrap_or(DVec3::ZERO);
+    first + points.iter().fold(DVec3::ZERO, |s, p| s + (*p - first)) / points.len().max(1) as f64
+}
+
+/// Without a shadow edge any map that holds the cover answers alike: texels of equal size in the light plane.
+fn isotropic() -> Moments {
+    let mut moments = Moments::default();
+    let q = DVec3::Z;
+    for t in [DVec3::X, DVec3::Y] {
+        moments.add(q, 1.0, t.cross(q), 1.0);
+    }
+    moments
+}

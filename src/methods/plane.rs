@@ -1,0 +1,104 @@
+//! The covered points and edges of one region, in its light plane: what every method starts from.
+
+use super::Inputs;
+use crate::fit::{Normalisation, normalise, normalise_similar};
+use crate::math::{LightSpace, convex_hull};
+use crate::metric::EdgeSamples;
+use crate::samples::EdgePoint;
+use glam::{DVec2, DVec3};
+
+/// Smallest |V| relative to |q| |T_1| |T_2|: a receiver nearer to edge-on is left out, and counted. At 1e-7 a texel is
+/// spread over ten million pixels' worth of surface; f64 sums still hold its square.
+const GRAZING: f64 = 1e-7;
+
+/// Edge points in the normalised coordinates of a light plane, and the number left out because the light grazes their
+/// surface or they lie behind it.
+pub(super) fn edge_samples<'a>(
+    points: impl Iterator<Item = &'a EdgePoint>,
+    space: &LightSpace,
+    normalisation: &Normalisation,
+) -> (EdgeSamples, u64) {
+    let mut samples = EdgeSamples::default();
+    let mut grazing = 0;
+    for point in points {
+        let q = space.q(point.position);
+        let (q, t) = normalisation.vectors(q, point.derivatives.map(|d| space.dq(d)));
+        let volume = crate::math::det3(q, t[0], t[1]);
+        let size = q.length() * t[0].length() * t[1].length();
+        if !(q.is_finite() && volume.abs() > GRAZING * size) || space.q(point.position).z <= 0.0 {
+            grazing += 1;
+            continue;
+        }
+        samples.q.push(q);
+        samples.t.push(t);
+        samples.edge_normal.push(point.normal);
+        samples.length_px.push(point.length_px);
+        samples.room_px.push(point.room_px);
+    }
+    (samples, grazing)
+}
+
+/// A region in its light plane.
+pub(super) struct Plane {
+    pub(super) space: LightSpace,
+    /// Normalised hull of what is covered; at least 3 vertices.
+    pub(super) hull: Vec<DVec2>,
+    pub(super) normalisation: Normalisation,
+    pub(super) samples: EdgeSamples,
+    pub(super) grazing: u64,
+}
+
+impl Plane {
+    /// `None` when nothing covered lies in front of the light, or not even a pixel's footprint gives it an extent.
+    /// `similar` keeps the angles of the light plane.
+    pub(super) fn new(
+        inputs: &Inputs,
+        space: LightSpace,
+        covered: &[DVec3],
+        edges: &[EdgePoint],
+        similar: bool,
+    ) -> Option<Plane> {
+        let flat: Vec<DVec2> =
+            covered.iter().map(|p| space.q(*p)).filter(|q| q.z > 0.0).map(|q| q.truncate() / q.z).collect();
+        let mut hull = convex_hull(&flat);
+        let pad = padding(inputs, &space, covered);
+        if narrow(&hull, pad) {
+            let corners = [DVec2::new(pad, pad), DVec2::new(-pad, pad), DVec2::new(pad, -pad), DVec2::new(-pad, -pad)];
+            hull = convex_hull(&hull.iter().flat_map(|p| corners.map(|c| *p + c)).collect::<Vec<_>>());
+        }
+        if hull.len() < 3 {
+            return None;
+        }
+        let normalisation = if similar { normalise_similar(&hull)? } else { normalise(&hull)? };
+        let hull = hull.iter().map(|p| normalisation.point(*p)).collect();
+        let (samples, grazing) = edge_samples(edges.iter(), &space, &normalisation);
+        let samples = samples.thinned(inputs.sample_cap);
+        Some(Plane { space, hull, normalisation, samples, grazing })
+    }
+}
+
+/// Half a pixel's footprint at the covered point nearest to the camera, in units of the plane q3 = 1: what a cover
+/// without area is widened by.
+fn padding(inputs: &Inputs, space: &LightSpace, covered: &[DVec3]) -> f64 {
+    let [(_, by_x), _] = inputs.camera.ray_derivatives(inputs.film);
+    let nearest = covered
+        .iter()
+        .map(|p| ((*p - inputs.camera.position).length(), space.q(*p).z))
+        .filter(|(_, z)| *z > 0.0)
+        .min_by(|a, b| a.0.total_cmp(&b.0));
+    let [(origin_by_x, _), _] = inputs.camera.ray_derivatives(inputs.film);
+    nearest.map_or(0.0, |(distance, z)| 0.5 * (by_x.length() * distance + origin_by_x.length()) / z)
+}
+
+/// True when a hull is thinner than `pad` in some direction.
+fn narrow(hull: &[DVec2], pad: f64) -> bool {
+    if hull.len() < 3 {
+        return true;
+    }
+    let n = hull.len();
+    (0..n).any(|i| {
+        let edge = hull[(i + 1) % n] - hull[i];
+        let across = edge.perp() / edge.length();
+        hull.iter().map(|p| across.dot(*p - hull[i])).fold(0.0, f64::max) < pad
+    })
+}

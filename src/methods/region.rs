@@ -1,0 +1,136 @@
+//! What a method returns.
+
+use super::plane::Plane;
+use crate::fit::Termination;
+use crate::math::LightSpace;
+use crate::metric::{EdgeSamples, Metric, cost, displacement, inverse_jacobian_norm2};
+use glam::{DMat3, DVec3};
+
+/// Which points look a map up.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Domain {
+    /// Every point.
+    All,
+    /// Points whose vector from the light has its largest component along one signed axis.
+    CubeFace {
+        /// Position of the light, scene space.
+        position: DVec3,
+        /// 0, 1, 2 = x, y, z.
+        axis: usize,
+        /// Positive side of the axis.
+        positive: bool,
+    },
+}
+
+impl Domain {
+    /// Whether a scene point looks this map up. On ties the lower axis wins.
+    pub fn holds(&self, point: DVec3) -> bool {
+        match *self {
+            Domain::All => true,
+            Domain::CubeFace { position, axis, positive } => {
+                let v = point - position;
+                let a = v.abs();
+                let largest = if a.x >= a.y && a.x >= a.z {
+                    0
+                } else if a.y >= a.z {
+                    1
+                } else {
+                    2
+                };
+                largest == axis && (v[axis] > 0.0) == positive
+            }
+        }
+    }
+}
+
+/// How a method came to its matrix.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Report {
+    /// Evaluations of the affine step.
+    pub evaluations: u64,
+    /// Edge samples used.
+    pub samples: u64,
+    /// Edge samples left out because the light grazes their surface.
+    pub grazing: u64,
+    /// Reweighting rounds done.
+    pub rounds: u32,
+    /// Relative spread of the objective over the last simplex.
+    pub spread: f64,
+    /// Relative distance above a dense search, where one was made.
+    pub gap: Option<f64>,
+    /// Why the search ended.
+    pub termination: Termination,
+}
+
+/// A homography of a light plane and the points that look it up.
+#[derive(Clone, Debug)]
+pub struct Region {
+    /// Which points look this map up.
+    pub domain: Domain,
+    /// The light plane.
+    pub space: LightSpace,
+    /// Rows p1, p2, p4 on q; the covered points lie in the unit square with w > 0; det > 0.
+    pub h: DMat3,
+    /// Width over height in texels.
+    pub aspect: f64,
+    /// How it was found.
+    pub report: Report,
+    /// Edge samples, normalised, for predictions.
+    samples: EdgeSamples,
+    /// The same homography on normalised q.
+    rows: [DVec3; 3],
+}
+
+/// What the edge samples say of a map of a given size.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Prediction {
+    /// Expected misclassified pixels: saturating displacement times edge length.
+    pub misclassified: f64,
+    /// The same without saturation.
+    pub unsaturated: f64,
+}
+
+impl Region {
+    /// From rows on normalised q that take the covered hull to the unit square.
+    pub(super) fn new(plane: Plane, rows: [DVec3; 3], aspect: f64, report: Report) -> Region {
+        let h = plane.normalisation.plane_homography(&DMat3::from_cols(rows[0], rows[1], rows[2]).transpose());
+        // A homography has no scale of its own: p4 of unit length keeps w in metres along the view axis.
+        let scale = 1.0 / h.row(2).length();
+        Region { domain: Domain::All, space: plane.space, h: h * scale, aspect, report, samples: plane.samples, rows }
+    }
+
+    /// Rows in texels for a map of a given size.
+    fn texel_rows(&self, texels: f64) -> [DVec3; 3] {
+        texel_rows(&self.rows, self.aspect, texels)
+    }
+
+    /// Expected wrong pixels of a map of `texels` texels at the region's aspect.
+    pub fn predict(&self, texels: f64) -> Prediction {
+        let rows = self.texel_rows(texels);
+        Prediction {
+            misclassified: cost(&self.samples, Metric::Saturating, &rows),
+            unsaturated: cost(&self.samples, Metric::Displacement, &rows),
+        }
+    }
+
+    /// Largest edge displacement, pixels, of each sample with its edge length, for a map of `texels` texels.
+    pub fn displacements(&self, texels: f64) -> Vec<(f64, f64)> {
+        let rows = self.texel_rows(texels);
+        (0..self.samples.len())
+            .map(|i| (displacement(&self.samples, i, &rows).largest(), self.samples.length_px[i]))
+            .collect()
+    }
+
+    /// Root of SOSM's summand, pixels per texel, of each sample with its edge length, for a map of `texels` texels.
+    pub fn footprints(&self, texels: f64) -> Vec<(f64, f64)> {
+        let rows = self.texel_rows(texels);
+        (0..self.samples.len())
+            .map(|i| (inverse_jacobian_norm2(&self.samples, i, &rows).sqrt(), self.samples.length_px[i]))
+            .collect()
+    }
+}
+
+/// Unit-square rows in texels for a budget and an aspect.
+pub(super) fn texel_rows(rows: &[DVec3; 3], aspect: f64, texels: f64) -> [DVec3; 3] {
+    [rows[0] * (texels * aspect).sqrt(), rows[1] * (texels / aspect).sqrt(), rows[2]]
+}
