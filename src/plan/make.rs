@@ -1,40 +1,24 @@
-//! From a job to a plan: the stages in order.
+//! From a job to a plan, and to pictures of one frame: the stages in order.
 
-use std::path::Path;
-use std::sync::atomic::AtomicBool;
+use std::path::{Path, PathBuf};
 
-use super::{Plan, PlanError};
+use super::{Plan, PlanError, Watch};
 use crate::job::LoadedJob;
 
-/// A stage of the work, in order.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stage {
-    /// Reading the scene's files.
-    Load,
-    /// Planning or measuring; counted in lights of frames.
-    Lights,
-}
-
-/// How far a stage is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Progress {
-    /// The stage.
-    pub stage: Stage,
-    /// Steps done.
-    pub done: u64,
-    /// Steps in all; 0 = not known.
-    pub total: u64,
-}
-
-/// Plans a shot. Paths in the plan are relative to `plan_dir`; `cancel` is looked at between steps.
+/// Plans a shot. Paths in the plan are relative to `plan_dir`; `timings` puts wall times into the plan's costs.
 ///
 /// # Errors
-/// [`PlanError::Cancelled`] soon after `cancel` becomes true; else what stands in the way.
-pub fn make(
-    _job: &LoadedJob,
-    _plan_dir: &Path,
-    _progress: &(dyn Fn(Progress) + Sync),
-    _cancel: &AtomicBool,
-) -> Result<Plan, PlanError> {
+/// [`PlanError::Cancelled`] soon after the watch asks to stop; else what stands in the way.
+pub fn make(_job: &LoadedJob, _plan_dir: &Path, _timings: bool, watch: &Watch) -> Result<Plan, PlanError> {
+    watch.check()?;
     Err(PlanError::NotBuilt("planning"))
+}
+
+/// Writes what was seen in one frame to a folder, and says which files it wrote.
+///
+/// # Errors
+/// As [`make`].
+pub fn render(_job: &LoadedJob, _frame: i64, _dir: &Path, watch: &Watch) -> Result<Vec<PathBuf>, PlanError> {
+    watch.check()?;
+    Err(PlanError::NotBuilt("rendering"))
 }

@@ -8,15 +8,17 @@ mod make;
 mod read;
 mod types;
 mod verify;
+mod watch;
 mod write;
 
 pub use conventions::Conventions;
 pub use error::PlanError;
 pub use inputs::{Input, hash_inputs, relative_path, sha256_hex};
-pub use make::{Progress, Stage, make};
+pub use make::{make, render};
 pub use read::{parse, read};
 pub use types::*;
 pub use verify::{InputCheck, LightCheck, Verification, verify};
+pub use watch::{Progress, Stage, Watch};
 pub use write::{Dest, Format, to_text, write};
 
 /// The version of the plan format that this lixel reads and writes. Keys may be added under the same name.

@@ -3,11 +3,10 @@
 //! Uses no sample, metric or fit: what judges a plan shares none of what chose it.
 
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
 
 use serde::Serialize;
 
-use super::{Plan, PlanError, Progress, sha256_hex};
+use super::{Input, Plan, PlanError, Watch, sha256_hex};
 
 /// What a check of a plan found.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -67,12 +66,8 @@ pub struct LightCheck {
 ///
 /// # Errors
 /// [`PlanError`] when the check itself cannot be made; a plan found wrong is a [`Verification`] that did not pass.
-pub fn verify(
-    plan: &Plan,
-    plan_dir: &Path,
-    _progress: &(dyn Fn(Progress) + Sync),
-    _cancel: &AtomicBool,
-) -> Result<Verification, PlanError> {
+pub fn verify(plan: &Plan, plan_dir: &Path, watch: &Watch) -> Result<Verification, PlanError> {
+    watch.check()?;
     let inputs = check_inputs(plan, plan_dir);
     if inputs.iter().all(|i| i.passed) {
         return Err(PlanError::NotBuilt("measuring a plan again"));
@@ -82,12 +77,12 @@ pub fn verify(
 
 /// Compares the hash of every input with the plan's.
 fn check_inputs(plan: &Plan, plan_dir: &Path) -> Vec<InputCheck> {
-    let check = |input: &super::Input| match sha256_hex(&plan_dir.join(&input.path)) {
+    let check = |input: &Input| match sha256_hex(&plan_dir.join(&input.path)) {
         Ok(hash) if hash == input.sha256 => None,
         Ok(_) => Some("its content is not what the plan was made from; plan the job again".to_owned()),
         Err(error) => Some(error.to_string()),
     };
-    let found = |input: &super::Input| {
+    let found = |input: &Input| {
         let reason = check(input);
         InputCheck { path: input.path.clone(), passed: reason.is_none(), reason }
     };

@@ -1,7 +1,7 @@
 //! Writing a plan: first everything is checked to be finite, then the file appears whole or not at all.
 
 use std::fs::{self, File};
-use std::io::{self, BufWriter, Write};
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use schemars::JsonSchema;
@@ -70,19 +70,49 @@ pub fn write(plan: &Plan, dest: &Dest, format: Format) -> Result<(), PlanError> 
     }
 }
 
-/// A temporary file beside the destination, synced, then renamed over it. What is there and no plain file (a device, a
-/// pipe) is written to directly: renaming would replace it.
-fn write_atomically(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let target = match fs::metadata(path) {
+impl Dest {
+    /// Finds out before the work whether the plan could be written after it.
+    ///
+    /// # Errors
+    /// [`PlanError::Write`].
+    pub fn check(&self) -> Result<(), PlanError> {
+        let Dest::File(path) = self else { return Ok(()) };
+        let probe = || match target(path)? {
+            Target::Replace { dir, .. } => tempfile::tempfile_in(dir).map(drop),
+            Target::Direct => File::options().write(true).open(path).map(drop),
+        };
+        probe().map_err(|source| PlanError::Write { dest: path.display().to_string(), source })
+    }
+}
+
+/// How a path is written.
+enum Target {
+    /// By renaming a new file in `dir` over `file`.
+    Replace { file: PathBuf, dir: PathBuf },
+    /// By writing to what is there: a device or a pipe, which renaming would replace.
+    Direct,
+}
+
+fn target(path: &Path) -> io::Result<Target> {
+    let file = match fs::metadata(path) {
         Ok(there) if there.is_dir() => return Err(io::Error::from(io::ErrorKind::IsADirectory)),
-        Ok(there) if !there.is_file() => return File::options().write(true).open(path)?.write_all(bytes),
+        Ok(there) if !there.is_file() => return Ok(Target::Direct),
         // Through a link the file it leads to is replaced, not the link.
         Ok(_) => path.canonicalize()?,
         Err(_) => path.to_owned(),
     };
-    let dir = match target.parent() {
-        Some(dir) if !dir.as_os_str().is_empty() => dir,
-        _ => Path::new("."),
+    let dir = match file.parent() {
+        Some(dir) if !dir.as_os_str().is_empty() => dir.to_owned(),
+        _ => PathBuf::from("."),
+    };
+    Ok(Target::Replace { file, dir })
+}
+
+/// A temporary file beside the destination, synced, then renamed over it.
+fn write_atomically(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let (file, dir) = match target(path)? {
+        Target::Replace { file, dir } => (file, dir),
+        Target::Direct => return File::options().write(true).open(path)?.write_all(bytes),
     };
     let mut builder = tempfile::Builder::new();
     builder.prefix(".lixel-").suffix(".tmp");
@@ -93,12 +123,9 @@ fn write_atomically(path: &Path, bytes: &[u8]) -> io::Result<()> {
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
     let mut temporary = builder.tempfile_in(dir)?;
-    let mut writer = BufWriter::new(temporary.as_file_mut());
-    writer.write_all(bytes)?;
-    writer.flush()?;
-    drop(writer);
+    temporary.write_all(bytes)?;
     temporary.as_file().sync_all()?;
-    temporary.persist(&target).map_err(|e| e.error)?;
+    temporary.persist(file).map_err(|e| e.error)?;
     Ok(())
 }
 
