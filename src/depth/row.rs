@@ -3,7 +3,7 @@
 use super::kept::Kept;
 use crate::math::LightSpace;
 use glam::{DMat3, DVec4};
-use microlp::{ComparisonOp, OptimizationDirection, Problem};
+use microlp::{ComparisonOp, OptimizationDirection, Problem, SolveOutcome};
 use rayon::prelude::*;
 
 /// Row 3 of a light matrix and the range it spans.
@@ -127,8 +127,8 @@ fn solve(y: &[DVec4], chosen: &[usize], sign: f64) -> Option<(DVec4, f64)> {
         problem.add_constraint(&terms, ComparisonOp::Le, 1.0);
         problem.add_constraint(&terms, ComparisonOp::Ge, -1.0);
     }
-    let solution = problem.solve().ok()?;
-    let solved = DVec4::from_array(a.map(|v| *solution.var_value(v)));
-    let constant = *solution.var_value(a0);
+    let SolveOutcome::Solution(solution) = problem.solve().ok()? else { return None };
+    let solved = DVec4::from_array(a.map(|v| solution.var_value(v)));
+    let constant = solution.var_value(a0);
     (solved.is_finite() && constant.is_finite()).then_some((solved, constant))
 }

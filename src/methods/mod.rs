@@ -5,14 +5,16 @@
 mod focused;
 mod lixel;
 mod normal;
+mod params;
 mod plane;
 mod region;
 mod scene_optimal;
 mod split;
 
+pub use params::SolverParams;
 pub use region::{Domain, Prediction, Region, Report};
 
-use crate::fit::{Aspect, Shape, SolverParams};
+use crate::fit::{Aspect, Shape};
 use crate::math::{Bounds, LightSpaceError};
 use crate::samples::EdgePoint;
 use crate::scene::{Camera, Film, Light};

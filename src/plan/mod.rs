@@ -1,1 +1,25 @@
-//! (this room is being built)
+//! The plan: the versioned result of planning a shot, its JSON and TOML files, and checking one later.
+
+mod conventions;
+mod error;
+mod inputs;
+mod json;
+mod make;
+mod read;
+mod types;
+mod verify;
+mod watch;
+mod write;
+
+pub use conventions::Conventions;
+pub use error::PlanError;
+pub use inputs::{Input, hash_inputs, relative_path, sha256_hex};
+pub use make::{make, render};
+pub use read::{parse, read};
+pub use types::*;
+pub use verify::{InputCheck, LightCheck, Verification, verify};
+pub use watch::{Progress, Stage, Watch};
+pub use write::{Dest, Format, to_text, write};
+
+/// The version of the plan format that this lixel reads and writes. Keys may be added under the same name.
+pub const SCHEMA: &str = "lixel.plan/1";

@@ -7,7 +7,9 @@
 mod crossing;
 mod edges;
 mod grid;
+mod params;
 
 pub use crossing::{Crossing, CrossingKind};
 pub use edges::{EdgePoint, LightSamples, sample_light};
 pub use grid::{Grid, GridView};
+pub use params::SamplingParams;

@@ -1,0 +1,85 @@
+//! Flags that override keys of a job. They become a TOML table, the last layer of the job.
+
+use clap::Args;
+use lixel::methods::Method;
+use lixel::job::Preset;
+use lixel::resolution::{Bound, Measure};
+use toml::{Table, Value};
+
+use super::values::{integer, size, values};
+
+/// Flags over a job file, or over the defaults of a scene file.
+#[derive(Args)]
+#[command(next_help_heading = "Over the job")]
+pub(super) struct JobFlags {
+    /// Frames: 12, 1-240, 1-240x2, or several with commas
+    #[arg(long, value_name = "RANGE", allow_hyphen_values = true)]
+    frames: Option<String>,
+    /// Image size in pixels
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    size: Option<[u32; 2]>,
+    /// Camera of the scene's files, by name
+    #[arg(long, value_name = "NAME")]
+    camera: Option<String>,
+    /// The bound: a share of the image's pixels, or pixels
+    #[arg(long, value_name = "E", allow_negative_numbers = true)]
+    epsilon: Option<f64>,
+    /// What epsilon bounds
+    #[arg(long, value_parser = values::<Bound>())]
+    bound: Option<String>,
+    /// How the matrix is chosen
+    #[arg(long, value_parser = values::<Method>())]
+    method: Option<String>,
+    /// Largest width and height of a map, texels
+    #[arg(long, value_name = "N")]
+    max_resolution: Option<u32>,
+    /// Whether sizes are measured
+    #[arg(long, value_parser = values::<Measure>())]
+    measure: Option<String>,
+    /// The settings below the job's own
+    #[arg(long, value_parser = values::<Preset>())]
+    preset: Option<String>,
+}
+
+impl JobFlags {
+    /// Every flag: its name, its key, and its value if it was given.
+    fn entries(&self) -> [(&'static str, &'static str, Option<Value>); 9] {
+        let text = |value: &Option<String>| value.clone().map(Value::String);
+        [
+            ("--frames", "frames.range", text(&self.frames)),
+            ("--size", "image.size", self.size.map(|s| Value::Array(s.map(integer).into()))),
+            ("--camera", "camera.name", text(&self.camera)),
+            ("--epsilon", "quality.epsilon", self.epsilon.map(Value::Float)),
+            ("--bound", "quality.bound", text(&self.bound)),
+            ("--method", "solver.method", text(&self.method)),
+            ("--max-resolution", "map.max", self.max_resolution.map(integer)),
+            ("--measure", "quality.measure", text(&self.measure)),
+            ("--preset", "preset", text(&self.preset)),
+        ]
+    }
+
+    /// The flags as the last layer of a job.
+    pub(super) fn overrides(&self) -> Table {
+        let mut table = Table::new();
+        for (_, key, value) in self.entries() {
+            let Some(value) = value else { continue };
+            match key.split_once('.') {
+                None => {
+                    table.insert(key.to_owned(), value);
+                }
+                Some((section, key)) => {
+                    let section = table.entry(section).or_insert_with(|| Value::Table(Table::new()));
+                    if let Value::Table(section) = section {
+                        section.insert(key.to_owned(), value);
+                    }
+                }
+            }
+        }
+        table
+    }
+
+    /// The flags that were given, with their keys.
+    pub(super) fn given(&self) -> Vec<(&'static str, &'static str)> {
+        self.entries().into_iter().filter(|e| e.2.is_some()).map(|(flag, key, _)| (flag, key)).collect()
+    }
+}

@@ -1,0 +1,96 @@
+//! `lixel plan`.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::Args;
+use lixel::plan::{Dest, Format, Plan, Watch};
+use serde::Deserialize;
+use serde::de::value::StrDeserializer;
+
+use super::exit::{Failure, MET, NOT_MET};
+use super::flags::JobFlags;
+use super::progress::Bar;
+use super::report;
+use super::signals::Signals;
+use super::values::values;
+
+/// Plan the shadow maps of a shot
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  lixel plan shot.toml -o shot.plan.json
+  lixel plan scene.glb --camera Main --frames 1-240x2 --preset draft
+  lixel plan shot.toml --format toml | less
+
+Exit codes: 0 every bound met, 1 failure, 2 bad input, 3 plan written with a bound not met, 130/143 stopped.")]
+pub(super) struct PlanArgs {
+    /// A job file (.toml), or a scene with its camera and lights (.gltf, .glb, .obj)
+    input: PathBuf,
+    /// Where the plan goes; `-` is standard output
+    #[arg(long, short, value_name = "FILE", default_value = "-")]
+    output: PathBuf,
+    /// Format of the plan [default: by the extension of FILE, else json]
+    #[arg(long, value_parser = values::<Format>())]
+    format: Option<String>,
+    /// Put wall times into the plan, which then differs from run to run
+    #[arg(long)]
+    timings: bool,
+    #[command(flatten)]
+    job: JobFlags,
+}
+
+pub(super) fn run(args: &PlanArgs, quiet: bool, signals: &Signals) -> Result<ExitCode, Failure> {
+    let job = lixel::job::load(&args.input, &args.job.overrides()).map_err(|e| Failure::job(e, &args.job))?;
+    let dest = if args.output == Path::new("-") { Dest::Stdout } else { Dest::File(args.output.clone()) };
+    dest.check()?;
+    let plan_dir = match &dest {
+        Dest::File(path) => path.parent().unwrap_or(Path::new("")),
+        Dest::Stdout => Path::new(""),
+    };
+    let plan = {
+        let bar = Bar::new(quiet);
+        let watch = Watch { progress: &|p| bar.show(p), cancel: signals.cancel() };
+        let plan = lixel::plan::make(&job, plan_dir, args.timings, &watch)?;
+        watch.check()?;
+        plan
+    };
+    lixel::plan::write(&plan, &dest, format(args, &dest))?;
+    if !quiet {
+        report::note(&summary(&plan));
+    }
+    Ok(ExitCode::from(if plan.summary.met { MET } else { NOT_MET }))
+}
+
+fn format(args: &PlanArgs, dest: &Dest) -> Format {
+    let name = match (&args.format, dest) {
+        (Some(name), _) => name.clone(),
+        (None, Dest::File(path)) => path.extension().unwrap_or_default().to_string_lossy().to_lowercase(),
+        (None, Dest::Stdout) => String::new(),
+    };
+    let parsed: Result<Format, serde::de::value::Error> = Format::deserialize(StrDeserializer::new(&name));
+    parsed.unwrap_or_default()
+}
+
+/// The outcome in a few lines: what was planned, and what does not meet its bound.
+fn summary(plan: &Plan) -> String {
+    /// Lights listed by name; the plan has them all.
+    const LISTED: usize = 5;
+    let s = &plan.summary;
+    let largest = s.largest.map_or("no map".to_owned(), |[w, h]| format!("largest {w}x{h}"));
+    let mut text = format!("{} frames, {} maps, {} texels, {largest}", s.frames, s.maps, s.texels);
+    let lights = || plan.frames.iter().flat_map(|f| f.lights.iter().map(move |l| (f.frame, l)));
+    let failed: Vec<_> = lights().filter(|(_, l)| !l.met()).collect();
+    text += &match failed.len() {
+        0 => ": every light meets its bound".to_owned(),
+        n => format!(": {n} of {} lights do not meet their bound", lights().count()),
+    };
+    for (frame, light) in failed.iter().take(LISTED) {
+        let reason = light.reason.as_deref().unwrap_or("no reason given");
+        text += &format!("\n  frame {frame}, {}: {reason}", light.light);
+    }
+    if failed.len() > LISTED {
+        text += &format!("\n  and {} more", failed.len() - LISTED);
+    }
+    text
+}

@@ -1,0 +1,78 @@
+//! `[quality]`, `[map]`, `[sampling]`, `[solver]`.
+
+use super::{Problem, problem, require};
+use crate::methods::SolverParams;
+use crate::resolution::{Bound, MapParams, QualityParams, SIZE_MAX};
+use crate::samples::SamplingParams;
+
+pub(super) fn quality(quality: &QualityParams) -> Result<(), Problem> {
+    let epsilon = quality.epsilon();
+    match quality.bound {
+        Bound::Misclassified => {
+            require(
+                epsilon > 0.0 && epsilon <= 1.0,
+                "quality.epsilon",
+                epsilon,
+                "a share of the image above 0 and at most 1",
+            )?;
+        }
+        Bound::Displacement | Bound::Footprint => {
+            require(
+                epsilon > 0.0 && epsilon.is_finite(),
+                "quality.epsilon",
+                epsilon,
+                "a finite number of pixels above 0",
+            )?;
+        }
+    }
+    let quantile = quality.quantile;
+    require(quantile > 0.0 && quantile <= 1.0, "quality.quantile", quantile, "above 0 and at most 1")
+}
+
+pub(super) fn map(map: &MapParams) -> Result<(), Problem> {
+    let sizes = format!("1 to {SIZE_MAX} texels");
+    for (key, size) in [("map.min", map.min), ("map.max", map.max), ("map.multiple_of", map.multiple_of)] {
+        require((1..=SIZE_MAX).contains(&size), key, size, &sizes)?;
+    }
+    if map.min > map.max {
+        let message = format!("max = {} is below min = {}", map.max, map.min);
+        return Err(problem("map.max", message, "raise max or lower min"));
+    }
+    if map.power_of_two && !map.multiple_of.is_power_of_two() {
+        let message = format!("no power of two is a multiple of {}", map.multiple_of);
+        return Err(problem("map.multiple_of", message, "give a power of two, or set power_of_two = false"));
+    }
+    let smallest = if map.power_of_two {
+        map.min.next_power_of_two().max(map.multiple_of)
+    } else {
+        map.min.next_multiple_of(map.multiple_of)
+    };
+    if smallest > map.max {
+        let message = format!("no allowed size lies between min = {} and max = {}", map.min, map.max);
+        return Err(problem("map.max", message, format!("the smallest allowed size is {smallest}: raise max to it")));
+    }
+    require((1.02..=2.0).contains(&map.step), "map.step", map.step, "1.02 to 2")?;
+    let bias = &map.bias;
+    let at_least_0 = "a finite number of at least 0";
+    if let Some(constant) = bias.constant {
+        require(constant >= 0.0 && constant.is_finite(), "map.bias.constant", constant, at_least_0)?;
+    }
+    require(bias.slope >= 0.0 && bias.slope.is_finite(), "map.bias.slope", bias.slope, at_least_0)?;
+    if let Some(clamp) = bias.clamp {
+        require(clamp > 0.0 && clamp.is_finite(), "map.bias.clamp", clamp, "a finite number above 0")?;
+    }
+    Ok(())
+}
+
+pub(super) fn sampling(sampling: &SamplingParams) -> Result<(), Problem> {
+    let grid = sampling.grid;
+    require((8..=SIZE_MAX).contains(&grid), "sampling.grid", grid, &format!("8 to {SIZE_MAX}"))?;
+    require(sampling.refine <= 24, "sampling.refine", sampling.refine, "0 to 24")?;
+    require(sampling.cap >= 16, "sampling.cap", sampling.cap, "at least 16")
+}
+
+pub(super) fn solver(solver: &SolverParams) -> Result<(), Problem> {
+    require(solver.rounds <= 100, "solver.rounds", solver.rounds, "0 to 100")?;
+    let tolerance = solver.tolerance;
+    require(tolerance > 0.0 && tolerance <= 1.0, "solver.tolerance", tolerance, "above 0 and at most 1")
+}

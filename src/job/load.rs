@@ -1,0 +1,89 @@
+//! From an input named on the command line to a resolved job.
+
+use std::fs::File;
+use std::io::{self, Read};
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+use toml::{Table, Value};
+
+use super::layers::lay_over;
+use super::{Job, JobError, Preset, Problem, check, is_scene_file, locate};
+
+/// Bytes a job file may have: room for a long camera path, and an end to reading a device.
+const JOB_BYTES_MAX: u64 = 16 << 20;
+
+/// A job with all layers resolved.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LoadedJob {
+    /// The job; its values hold, epsilon included.
+    pub job: Job,
+    /// The job file; `None` when the input is a scene.
+    pub file: Option<PathBuf>,
+    /// The folder that `job.scene` is relative to.
+    pub dir: PathBuf,
+}
+
+impl LoadedJob {
+    /// The scene files as paths that can be opened.
+    pub fn scene_paths(&self) -> Vec<PathBuf> {
+        self.job.scene.iter().map(|scene| self.dir.join(scene)).collect()
+    }
+}
+
+/// Reads a job file, or takes a scene file as a job of its own, lays `overrides` over it and checks every value.
+///
+/// # Errors
+/// [`JobError::InFile`] for what is wrong in the file itself, [`JobError::Override`] for what the overrides break.
+pub fn load(input: &Path, overrides: &Table) -> Result<LoadedJob, JobError> {
+    let dir = input.parent().map(Path::to_owned).unwrap_or_default();
+    if is_scene_file(input) {
+        let name = input.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let own = Table::from_iter([("scene".to_owned(), Value::String(name))]);
+        return Ok(LoadedJob { job: resolve(&own, overrides)?, file: None, dir });
+    }
+    if !input.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml")) {
+        return Err(JobError::Kind { path: input.to_owned() });
+    }
+    let text = read_text(input)?;
+    let alone: Job = toml::from_str(&text).map_err(|e| locate::parse_error(input, &text, &e))?;
+    check(&alone).map_err(|problem| locate::problem(input, &text, problem))?;
+    let own: Table = toml::from_str(&text).map_err(|e| locate::parse_error(input, &text, &e))?;
+    Ok(LoadedJob { job: resolve(&own, overrides)?, file: Some(input.to_owned()), dir })
+}
+
+/// Lays preset, file and overrides over each other. The file is known to be right by itself.
+fn resolve(own: &Table, overrides: &Table) -> Result<Job, JobError> {
+    let fault = |key: &str, message: String| {
+        JobError::Override(Problem { key: key.to_owned(), message, help: "correct the value".to_owned() })
+    };
+    let preset = match overrides.get("preset").or_else(|| own.get("preset")) {
+        Some(name) => Preset::deserialize(name.clone()).map_err(|e| fault("preset", e.message().to_owned()))?,
+        None => Preset::default(),
+    };
+    let mut table: Table = toml::from_str(preset.text()).map_err(|e| fault("preset", e.message().to_owned()))?;
+    lay_over(&mut table, own);
+    lay_over(&mut table, overrides);
+    let mut job = Job::deserialize(table).map_err(|e| fault("command line", e.to_string()))?;
+    check(&job).map_err(JobError::Override)?;
+    job.quality.epsilon = Some(job.quality.epsilon());
+    Ok(job)
+}
+
+fn read_text(path: &Path) -> Result<String, JobError> {
+    let failed = |source: io::Error| JobError::Read { path: path.to_owned(), source };
+    let file = File::open(path).map_err(failed)?;
+    if file.metadata().map_err(failed)?.is_dir() {
+        return Err(failed(io::Error::from(io::ErrorKind::IsADirectory)));
+    }
+    let mut bytes = Vec::new();
+    file.take(JOB_BYTES_MAX + 1).read_to_end(&mut bytes).map_err(failed)?;
+    if bytes.len() as u64 > JOB_BYTES_MAX {
+        return Err(JobError::TooLarge { path: path.to_owned(), limit: JOB_BYTES_MAX });
+    }
+    String::from_utf8(bytes).map_err(|e| {
+        let at = e.utf8_error().valid_up_to();
+        let text = String::from_utf8_lossy(e.as_bytes()).into_owned();
+        locate::located(path, &text, at..at + 1, "this is not UTF-8".to_owned(), Some("save the file as UTF-8".to_owned()))
+    })
+}

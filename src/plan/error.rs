@@ -1,0 +1,74 @@
+//! What can go wrong with a plan.
+
+use std::io;
+use std::path::PathBuf;
+
+use thiserror::Error;
+
+use super::SCHEMA;
+
+/// Why there is no plan, or no plan file.
+#[derive(Debug, Error)]
+pub enum PlanError {
+    /// A stage that this version does not have.
+    #[error("{0} is not built yet")]
+    NotBuilt(&'static str),
+    /// The caller asked to stop.
+    #[error("interrupted")]
+    Cancelled,
+    /// A number that JSON cannot carry; a fault of lixel, not of the input.
+    #[error("{key} of the plan is {value}: nothing was written; please report this with the job")]
+    NonFinite {
+        /// The key of the plan.
+        key: String,
+        /// NaN or an infinity.
+        value: f64,
+    },
+    /// A value that the format cannot carry.
+    #[error("the plan cannot be written as {format}: {message}")]
+    Encode {
+        /// JSON or TOML.
+        format: &'static str,
+        /// What the format says.
+        message: String,
+    },
+    /// The destination cannot be written.
+    #[error("cannot write {dest}: {source}")]
+    Write {
+        /// File name or `standard output`.
+        dest: String,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// A file cannot be read.
+    #[error("cannot read {}: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// The file is not a plan.
+    #[error("{} is not a plan: {message}", path.display())]
+    Parse {
+        /// The file.
+        path: PathBuf,
+        /// What the parser says, with line and column.
+        message: String,
+    },
+    /// A plan of another version.
+    #[error("{} has schema `{found}`, this lixel reads `{SCHEMA}`; plan the job again", path.display())]
+    Schema {
+        /// The file.
+        path: PathBuf,
+        /// Its schema.
+        found: String,
+    },
+}
+
+impl PlanError {
+    /// True when a reader of the output went away: no fault, and nothing to say.
+    pub fn is_closed_pipe(&self) -> bool {
+        matches!(self, PlanError::Write { source, .. } if source.kind() == io::ErrorKind::BrokenPipe)
+    }
+}

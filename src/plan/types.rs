@@ -1,0 +1,154 @@
+//! The plan's own types. Their doc comments are the descriptions in the JSON Schema.
+
+mod light;
+mod map;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::{Conventions, Input, SCHEMA};
+use crate::job::Job;
+
+pub use light::{Cost, LightError, LightPlan, Measured, Predicted, SolverReport, Status, Termination, Tried};
+pub use map::{CubeFace, Domain, Frustum, LightCamera, LightProjection, MapBias, MapPlan, Witness};
+
+/// Four rows of four, applied to column vectors.
+pub type Rows = [[f64; 4]; 4];
+
+/// A shot's shadow maps: per frame and light, the matrices, the sizes, and what they were measured to give.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+pub struct Plan {
+    /// The version of this format: `lixel.plan/1`.
+    pub schema: String,
+    /// The version of lixel that wrote it.
+    pub lixel: String,
+    /// How the numbers are meant and how the maps are looked up.
+    pub conventions: Conventions,
+    /// The job as resolved from all layers.
+    pub job: PlannedJob,
+    /// World position, metres, that all positions and matrices are relative to.
+    pub origin: [f64; 3],
+    /// The whole shot in a few numbers.
+    pub summary: Summary,
+    /// One entry a frame, in the order of the job's range.
+    pub frames: Vec<FramePlan>,
+}
+
+impl Plan {
+    /// A plan of this version with the summary of its frames.
+    pub fn new(job: PlannedJob, origin: [f64; 3], frames: Vec<FramePlan>) -> Self {
+        Self {
+            schema: SCHEMA.to_owned(),
+            lixel: env!("CARGO_PKG_VERSION").to_owned(),
+            conventions: Conventions::default(),
+            job,
+            origin,
+            summary: Summary::of(&frames),
+            frames,
+        }
+    }
+}
+
+/// The job as resolved, and the files it was planned from.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+pub struct PlannedJob {
+    /// All keys of a job file; scene paths are relative to the plan.
+    #[serde(flatten)]
+    pub job: Job,
+    /// Every file that was read, with its content hash.
+    pub inputs: Vec<Input>,
+}
+
+/// The whole shot in a few numbers.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+pub struct Summary {
+    /// True when every light of every frame meets its epsilon.
+    pub met: bool,
+    /// Number of frames.
+    pub frames: u64,
+    /// Number of maps over all frames and lights.
+    pub maps: u64,
+    /// Texels of all maps over all frames and lights.
+    pub texels: u64,
+    /// Width and height of the map with most texels; absent when there is no map.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub largest: Option<[u32; 2]>,
+    /// The light and frame with most measured wrong pixels; absent when nothing was measured.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub worst: Option<Worst>,
+}
+
+/// Where a shot is worst.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+pub struct Worst {
+    /// Frame number.
+    pub frame: i64,
+    /// Name of the light.
+    pub light: String,
+    /// Wrong pixels.
+    pub misclassified: u64,
+    /// Pixels of the image.
+    pub of_pixels: u64,
+}
+
+impl Summary {
+    /// Counts what frames hold. Of equally bad lights the first is the worst, of equally large maps the first.
+    pub fn of(frames: &[FramePlan]) -> Self {
+        let lights = || frames.iter().flat_map(|f| f.lights.iter().map(move |l| (f.frame, l)));
+        let maps = || lights().flat_map(|(_, l)| &l.maps);
+        let mut largest: Option<&MapPlan> = None;
+        for map in maps() {
+            if largest.is_none_or(|l| map.texels() > l.texels()) {
+                largest = Some(map);
+            }
+        }
+        let mut worst: Option<Worst> = None;
+        for (frame, light) in lights() {
+            let Some(measured) = light.error.as_ref().and_then(|e| e.measured.as_ref()) else { continue };
+            if worst.as_ref().is_none_or(|w| measured.misclassified > w.misclassified) {
+                worst = Some(Worst {
+                    frame,
+                    light: light.light.clone(),
+                    misclassified: measured.misclassified,
+                    of_pixels: measured.of_pixels,
+                });
+            }
+        }
+        Self {
+            met: lights().all(|(_, l)| l.met()),
+            frames: frames.len() as u64,
+            maps: maps().count() as u64,
+            texels: maps().map(MapPlan::texels).sum(),
+            largest: largest.map(|m| [m.width, m.height]),
+            worst,
+        }
+    }
+}
+
+/// One frame of the shot.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+pub struct FramePlan {
+    /// Frame number, as in the job's range.
+    pub frame: i64,
+    /// Seconds from the start of the animation; frame 1 is at 0.
+    pub time_s: f64,
+    /// The camera of the frame.
+    pub camera: PlanCamera,
+    /// One entry a light, in the order of the job or the scene's files.
+    pub lights: Vec<LightPlan>,
+}
+
+/// The camera that a frame was planned for.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+pub struct PlanCamera {
+    /// Name in the file or job.
+    pub name: String,
+    /// Clip space of the camera from the world.
+    pub clip_from_world: Rows,
+    /// Centre of projection, relative to the origin, metres.
+    pub position: [f64; 3],
+    /// Film width, pixels.
+    pub width: u32,
+    /// Film height, pixels.
+    pub height: u32,
+}

@@ -1,0 +1,198 @@
+//! What a plan says of one light in one frame.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::MapPlan;
+use crate::scene::LightKindName;
+
+/// One light in one frame.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+pub struct LightPlan {
+    /// Name of the light.
+    pub light: String,
+    /// Its kind.
+    pub kind: LightKindName,
+    /// The way light travels, unit (directional, spot).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub direction: Option<[f64; 3]>,
+    /// Relative to the origin, metres (point, spot).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub position: Option<[f64; 3]>,
+    /// Half angle of the outer cone, degrees (spot).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cone_degrees: Option<f64>,
+    /// Metres; absent = unlimited.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub range: Option<f64>,
+    /// What came of it.
+    pub status: Status,
+    /// Why the status is not `planned`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reason: Option<String>,
+    /// The bound that was asked for, in the unit of the job's `quality.bound`.
+    pub epsilon: f64,
+    /// The maps, in the order of lookup; none when nothing has to be looked up.
+    pub maps: Vec<MapPlan>,
+    /// Predicted and measured error; absent when there is no map.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub error: Option<LightError>,
+    /// How the matrix was found; absent when nothing was solved.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub solver: Option<SolverReport>,
+    /// What planning this light took.
+    pub cost: Cost,
+}
+
+impl LightPlan {
+    /// True when epsilon holds: with its maps, or because none is needed.
+    pub fn met(&self) -> bool {
+        match self.status {
+            Status::Planned => self.error.as_ref().is_none_or(|e| e.met),
+            Status::NoVisibleShadow | Status::Unlit => true,
+            Status::NotMet | Status::Inapplicable => false,
+        }
+    }
+}
+
+/// What came of a light in a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Status {
+    /// Its maps meet epsilon.
+    Planned,
+    /// It lights what is seen and no shadow of it is seen; no map is needed.
+    NoVisibleShadow,
+    /// It lights nothing that is seen; no map is needed.
+    Unlit,
+    /// The best maps within the job's limits, over epsilon.
+    NotMet,
+    /// The method has no answer for this light and camera; `reason` names why.
+    Inapplicable,
+}
+
+/// Error of a light's maps.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+pub struct LightError {
+    /// What was predicted at the chosen size.
+    pub predicted: Predicted,
+    /// What was measured at the chosen size; absent with `measure = "never"`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub measured: Option<Measured>,
+    /// Every size that was measured, in the order of trial.
+    pub tried: Vec<Tried>,
+    /// True when the bound holds: measured where it was, else predicted.
+    pub met: bool,
+}
+
+/// The closed form's error at the chosen size.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+pub struct Predicted {
+    /// Expected wrong pixels.
+    pub misclassified: f64,
+    /// Pixels between drawn and exact edge, at the quantile, where that is the bound.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub displacement: Option<f64>,
+    /// Texel footprint in pixels, at the quantile, where that is the bound.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub footprint: Option<f64>,
+}
+
+/// Every pixel of the film looked up as a renderer would, against exact visibility.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+pub struct Measured {
+    /// Pixels with the wrong answer whose exact answer is certain.
+    pub misclassified: u64,
+    /// Pixels of the image.
+    pub of_pixels: u64,
+    /// Wrong pixels that are in shadow exactly and looked up lit.
+    pub false_lit: u64,
+    /// Wrong pixels that are lit exactly and looked up in shadow.
+    pub false_shadow: u64,
+    /// Further pixels that differ, but whose exact answer changes under the larger ray offset or lies within
+    /// `edge_on_degrees`. Met means certain ≤ epsilon and certain + uncertain ≤ 1.15 epsilon.
+    pub uncertain: u64,
+    /// Wrong pixels at shadow edges.
+    pub edge: u64,
+    /// Wrong pixels where a lit surface shadows itself in the map.
+    pub self_shadow: u64,
+    /// Offset of the exact shadow rays from the surface, metres.
+    pub ray_offset_m: f64,
+    /// The larger offset that tells uncertain pixels, metres.
+    pub larger_ray_offset_m: f64,
+    /// Surfaces within this angle of edge-on to the light are uncertain, degrees.
+    pub edge_on_degrees: f64,
+    /// Pixels between drawn and exact edge, at the quantile, where that is the bound.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub displacement: Option<f64>,
+    /// Texel footprint in pixels, at the quantile, where that is the bound.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub footprint: Option<f64>,
+}
+
+/// One size that was measured. Several maps of a light scale together; the size is the first map's.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+pub struct Tried {
+    /// Texels.
+    pub width: u32,
+    /// Texels.
+    pub height: u32,
+    /// Wrong pixels at this size.
+    pub misclassified: u64,
+    /// Further wrong pixels whose exact answer is uncertain.
+    pub uncertain: u64,
+    /// Pixels between drawn and exact edge, at the quantile, where that is the bound.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub displacement: Option<f64>,
+    /// Texel footprint in pixels, at the quantile, where that is the bound.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub footprint: Option<f64>,
+}
+
+/// How the matrix was found.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+pub struct SolverReport {
+    /// The relative distance from the optimum that was asked for.
+    pub tolerance: f64,
+    /// The relative distance that was reached, where the method knows one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gap: Option<f64>,
+    /// Evaluations of the objective.
+    pub evaluations: u64,
+    /// Rounds of reweighting.
+    pub rounds: u64,
+    /// Why the solver stopped.
+    pub termination: Termination,
+}
+
+/// Why a solver stopped.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Termination {
+    /// gap ≤ tolerance.
+    GapClosed,
+    /// The last step improved the objective by less than tolerance times its value.
+    Stalled,
+    /// The method's own number of iterations was done.
+    Iterations,
+    /// The answer is a closed form.
+    ClosedForm,
+}
+
+/// What planning a light took.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize, JsonSchema)]
+pub struct Cost {
+    /// Boundary samples the solver saw.
+    pub samples: u64,
+    /// Rays cast, primary rays of the frame shared out among its lights.
+    pub rays: u64,
+    /// Texels of all maps drawn while measuring.
+    pub texels_drawn: u64,
+    /// Triangles drawn while measuring, summed over maps.
+    pub triangles_drawn: u64,
+    /// Evaluations of the objective, over all fits.
+    pub solver_evaluations: u64,
+    /// Wall time; only with `--timings`, since it differs from run to run.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub milliseconds: Option<f64>,
+}

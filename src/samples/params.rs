@@ -1,0 +1,22 @@
+//! The part of a job that says how finely the planner looks for shadow edges.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// `[sampling]`: the coarse grid, its refinement, and how many samples are kept.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct SamplingParams {
+    /// Cells of the planning grid along the image's short side, 8 to 16384; never finer than the film.
+    pub grid: u32,
+    /// Halvings of a grid step across which a shadow bit changes, 0 to 24. The edge is known to grid step / 2^refine.
+    pub refine: u32,
+    /// Most boundary samples kept per light and frame, at least 16; more are thinned evenly along the edges.
+    pub cap: u32,
+}
+
+impl Default for SamplingParams {
+    fn default() -> Self {
+        Self { grid: 256, refine: 5, cap: 100_000 }
+    }
+}
