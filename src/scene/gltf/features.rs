@@ -43,13 +43,15 @@ pub(super) struct Findings {
     /// Remarks.
     pub notes: Vec<String>,
     seen: BTreeSet<&'static str>,
+    /// Names of materials with another alphaMode than OPAQUE.
+    not_opaque: BTreeSet<String>,
 }
 
 impl Findings {
     /// Records a feature where it is first needed.
     fn refuse(&mut self, (feature, remedy): (&'static str, &str), place: &str) {
         if self.seen.insert(feature) {
-            self.refused.push(format!("{feature} ({place}); {remedy}"));
+            self.refused.push(format!("{feature} at {place} ({remedy})"));
         }
     }
 }
@@ -75,6 +77,10 @@ pub(super) fn examine(document: &Document, nodes: &[usize]) -> Findings {
             findings.refuse(MESHOPT, &format!("bufferView {index}"));
         }
     }
+    if !findings.not_opaque.is_empty() {
+        let names: Vec<&str> = findings.not_opaque.iter().map(String::as_str).collect();
+        findings.notes.push(format!("alphaMode MASK or BLEND taken as opaque: {}", names.join(", ")));
+    }
     findings
 }
 
@@ -85,9 +91,9 @@ fn extensions(document: &Document, findings: &mut Findings) {
     for required in &document.extensions_required {
         let name = required.as_str();
         match [DRACO, MESHOPT, INSTANCING].into_iter().find(|feature| feature.0 == name) {
-            Some(feature) => findings.refuse(feature, "in extensionsRequired"),
+            Some(feature) => findings.refuse(feature, "extensionsRequired"),
             None if SUPPORTED.contains(&name) || harmless(name) => {}
-            None => findings.refused.push(format!("{name} (in extensionsRequired); export without this extension")),
+            None => findings.refused.push(format!("{name} at extensionsRequired (export without it)")),
         }
     }
     let ignored: BTreeSet<&str> =
@@ -127,13 +133,9 @@ fn primitive_features(document: &Document, primitive: &Primitive, at: &str, find
         findings.refuse(DRACO, at);
     }
     let Some(material) = primitive.material else { return };
-    if let Some(mode) = document.materials.get(material).and_then(|m| m.alpha_mode.as_deref())
-        && mode != "OPAQUE"
+    if let Some(found) = document.materials.get(material)
+        && found.alpha_mode.as_deref().is_some_and(|mode| mode != "OPAQUE")
     {
-        let name = document.materials.get(material).and_then(|m| m.name.as_deref());
-        let note = format!("{}: alphaMode {mode} taken as opaque", place("material", material, name));
-        if !findings.notes.contains(&note) {
-            findings.notes.push(note);
-        }
+        findings.not_opaque.insert(place("material", material, found.name.as_deref()));
     }
 }
