@@ -10,7 +10,8 @@ use std::collections::BTreeSet;
 /// Extensions whose data are read.
 const SUPPORTED: [&str; 2] = ["KHR_lights_punctual", "KHR_mesh_quantization"];
 
-/// Extensions that change materials or metadata but no triangle, exactly or by prefix; they may even be required.
+/// Extensions that may even be required: those of materials and metadata, which change no triangle, named exactly or by
+/// prefix; and two that are judged where they are used.
 const HARMLESS: [&str; 10] = [
     "KHR_materials_",
     "KHR_texture_",
