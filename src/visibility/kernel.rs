@@ -12,7 +12,7 @@
 
 use glam::DVec3;
 
-use super::lanes::Lanes;
+use super::lanes::{Lanes, Portable};
 use super::wide::{DEPTH_MAX, LEAF, Leaf, Node, WIDTH, Wide};
 
 /// The smallest direction component over the dominant one, so that slopes are finite. A ray would have to be 2⁶⁰ scene
@@ -86,44 +86,60 @@ struct Spread<L> {
     t_min: L,
 }
 
+// No closures here: a closure is a function of its own, which would be compiled without AVX2.
 impl<L: Lanes> Spread<L> {
     #[inline(always)]
     fn new(ray: &Ray) -> Self {
+        let [ox, oy, oz] = ray.origin;
+        let [ix, iy, iz] = ray.inverse;
+        let [sx, sy] = ray.shear;
         Spread {
-            origin: ray.origin.map(L::splat),
-            inverse: ray.inverse.map(L::splat),
-            shear: ray.shear.map(L::splat),
+            origin: [L::splat(ox), L::splat(oy), L::splat(oz)],
+            inverse: [L::splat(ix), L::splat(iy), L::splat(iz)],
+            shear: [L::splat(sx), L::splat(sy)],
             sign: L::splat(ray.sign),
             t_min: L::splat(ray.t_min),
         }
     }
 
+    /// Where the ray meets eight parallel planes.
+    #[inline(always)]
+    fn slab(&self, axis: usize, planes: &[f32; WIDTH]) -> L {
+        L::load(planes).minus(self.origin[axis]).times(self.inverse[axis])
+    }
+
     /// Children whose boxes the ray meets up to `t_max`, as bits, and where it enters each.
     #[inline(always)]
     fn boxes(&self, ray: &Ray, node: &Node, t_max: f32) -> (u32, L) {
-        let slab =
-            |axis: usize, row: usize| L::load(&node.planes[row]).minus(self.origin[axis]).times(self.inverse[axis]);
-        let near = |axis: usize| slab(axis, ray.near_row[axis]);
-        let far = |axis: usize| slab(axis, ray.near_row[axis] ^ 1);
-        let enter = near(0).max(near(1)).max(near(2).max(self.t_min));
-        let leave = far(0).min(far(1)).min(far(2).min(L::splat(t_max)));
+        let [x, y, z] = ray.near_row;
+        let planes = &node.planes;
+        let near_x = self.slab(0, &planes[x]);
+        let near_y = self.slab(1, &planes[y]);
+        let near_z = self.slab(2, &planes[z]);
+        let far_x = self.slab(0, &planes[x ^ 1]);
+        let far_y = self.slab(1, &planes[y ^ 1]);
+        let far_z = self.slab(2, &planes[z ^ 1]);
+        let enter = near_x.max(near_y).max(near_z.max(self.t_min));
+        let leave = far_x.min(far_y).min(far_z.min(L::splat(t_max)));
         (enter.at_most(leave), enter)
+    }
+
+    /// A corner of eight triangles, seen from the origin and sheared along the ray.
+    #[inline(always)]
+    fn corner(&self, ray: &Ray, rows: &[[f32; WIDTH]; 3]) -> [L; 3] {
+        let [kx, ky, kz] = ray.axes;
+        let along = L::load(&rows[kz]).minus(self.origin[kz]);
+        let x = L::load(&rows[kx]).minus(self.origin[kx]).minus(self.shear[0].times(along));
+        let y = L::load(&rows[ky]).minus(self.origin[ky]).minus(self.shear[1].times(along));
+        [x, y, along]
     }
 
     /// Triangles of a leaf that the ray hits within `t_min ..= t_max`, as bits, and where.
     #[inline(always)]
     fn triangles(&self, ray: &Ray, leaf: &Leaf, t_max: f32) -> (u32, L) {
-        let [kx, ky, kz] = ray.axes;
-        let corner = |k: usize| {
-            let rows = &leaf.vertices[k];
-            let along = L::load(&rows[kz]).minus(self.origin[kz]);
-            let x = L::load(&rows[kx]).minus(self.origin[kx]).minus(self.shear[0].times(along));
-            let y = L::load(&rows[ky]).minus(self.origin[ky]).minus(self.shear[1].times(along));
-            (x, y, along)
-        };
-        let (ax, ay, az) = corner(0);
-        let (bx, by, bz) = corner(1);
-        let (cx, cy, cz) = corner(2);
+        let [ax, ay, az] = self.corner(ray, &leaf.vertices[0]);
+        let [bx, by, bz] = self.corner(ray, &leaf.vertices[1]);
+        let [cx, cy, cz] = self.corner(ray, &leaf.vertices[2]);
         let u = cx.times(by).minus(cy.times(bx));
         let v = ax.times(cy).minus(ay.times(cx));
         let w = bx.times(ay).minus(by.times(ax));
@@ -143,8 +159,72 @@ impl<L: Lanes> Spread<L> {
 type Visit = (u32, f32);
 
 /// The nearest triangle along a ray; of two equally near, the one of the lower index.
+pub(super) fn nearest(simd: Simd, tree: &Wide, ray: &Ray) -> Option<Nearest> {
+    match simd {
+        Simd::Portable => nearest_in::<Portable>(tree, ray),
+        #[cfg(target_arch = "x86_64")]
+        Simd::Avx2 => avx2::nearest(tree, ray),
+    }
+}
+
+/// True when any triangle lies on the ray.
+pub(super) fn any(simd: Simd, tree: &Wide, ray: &Ray) -> bool {
+    match simd {
+        Simd::Portable => any_in::<Portable>(tree, ray),
+        #[cfg(target_arch = "x86_64")]
+        Simd::Avx2 => avx2::any(tree, ray),
+    }
+}
+
+/// Which lanes this machine has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Simd {
+    /// Plain Rust.
+    Portable,
+    /// AVX2; made by [`Simd::detect`] only.
+    #[cfg(target_arch = "x86_64")]
+    Avx2,
+}
+
+impl Simd {
+    /// The best there is.
+    pub(super) fn detect() -> Simd {
+        #[cfg(target_arch = "x86_64")]
+        if is_x86_feature_detected!("avx2") {
+            return Simd::Avx2;
+        }
+        Simd::Portable
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+mod avx2 {
+    #![expect(unsafe_code, reason = "calls functions compiled for AVX2")]
+
+    use super::{Nearest, Ray, Wide, any_in, nearest_in};
+    use crate::visibility::lanes::Avx2;
+
+    pub(super) fn nearest(tree: &Wide, ray: &Ray) -> Option<Nearest> {
+        #[target_feature(enable = "avx2")]
+        fn compiled(tree: &Wide, ray: &Ray) -> Option<Nearest> {
+            nearest_in::<Avx2>(tree, ray)
+        }
+        // SAFETY: `Simd::Avx2` is made only where AVX2 was detected.
+        unsafe { compiled(tree, ray) }
+    }
+
+    pub(super) fn any(tree: &Wide, ray: &Ray) -> bool {
+        #[target_feature(enable = "avx2")]
+        fn compiled(tree: &Wide, ray: &Ray) -> bool {
+            any_in::<Avx2>(tree, ray)
+        }
+        // SAFETY: as above.
+        unsafe { compiled(tree, ray) }
+    }
+}
+
 #[inline(always)]
-pub(super) fn nearest<L: Lanes>(tree: &Wide, ray: &Ray) -> Option<Nearest> {
+fn nearest_in<L: Lanes>(tree: &Wide, ray: &Ray) -> Option<Nearest> {
     let spread = Spread::<L>::new(ray);
     let mut best = Nearest { triangle: u32::MAX, t: ray.t_max };
     let mut stack: [Visit; DEPTH_MAX * WIDTH] = [(0, 0.0); DEPTH_MAX * WIDTH];
@@ -188,9 +268,8 @@ pub(super) fn nearest<L: Lanes>(tree: &Wide, ray: &Ray) -> Option<Nearest> {
     (best.triangle != u32::MAX).then_some(best)
 }
 
-/// True when any triangle lies on the ray.
 #[inline(always)]
-pub(super) fn any<L: Lanes>(tree: &Wide, ray: &Ray) -> bool {
+fn any_in<L: Lanes>(tree: &Wide, ray: &Ray) -> bool {
     let spread = Spread::<L>::new(ray);
     let mut stack = [0u32; DEPTH_MAX * WIDTH];
     let mut len = usize::from(!tree.nodes.is_empty());

@@ -3,8 +3,7 @@
 use glam::DVec3;
 
 use super::bvh::Bvh;
-use super::kernel::{self, Ray, dominant};
-use super::lanes::Portable;
+use super::kernel::{self, Ray, Simd, dominant};
 use super::wide::BOX_MARGIN;
 use crate::scene::Geometry;
 
@@ -23,13 +22,14 @@ pub struct Tracer<'a> {
     geometry: Geometry<'a>,
     still: &'a Bvh,
     moving: Option<&'a Bvh>,
+    simd: Simd,
 }
 
 impl<'a> Tracer<'a> {
     /// `still` must have been built over `geometry.still`, once for the shot; `moving` over `geometry.moving`, for this
     /// frame.
     pub fn new(geometry: Geometry<'a>, still: &'a Bvh, moving: Option<&'a Bvh>) -> Self {
-        Tracer { geometry, still, moving }
+        Tracer { geometry, still, moving, simd: Simd::detect() }
     }
 
     /// The triangles.
@@ -51,7 +51,7 @@ impl<'a> Tracer<'a> {
     pub fn closest(&self, origin: DVec3, direction: DVec3, t_min: f64, t_max: f64) -> Option<Hit> {
         let in_tree = |bvh: &Bvh, first: usize, t_max: f64| {
             let (ray, parameter) = local_ray(bvh, origin, direction, t_min, t_max)?;
-            let found = kernel::nearest::<Portable>(&bvh.wide, &ray)?;
+            let found = kernel::nearest(self.simd, &bvh.wide, &ray)?;
             let triangle = first as u32 + found.triangle;
             let t = self.refine(triangle, origin, direction, parameter.to_scene(f64::from(found.t)));
             Some(Hit { triangle, t })
@@ -69,7 +69,7 @@ impl<'a> Tracer<'a> {
     pub fn occluded(&self, origin: DVec3, direction: DVec3, t_min: f64, t_max: f64) -> bool {
         let in_tree = |bvh: &Bvh| {
             local_ray(bvh, origin, direction, t_min, t_max)
-                .is_some_and(|(ray, _)| kernel::any::<Portable>(&bvh.wide, &ray))
+                .is_some_and(|(ray, _)| kernel::any(self.simd, &bvh.wide, &ray))
         };
         in_tree(self.still) || self.moving.is_some_and(in_tree)
     }
