@@ -9,11 +9,10 @@
 //! Rounding, in units u = 2⁻²⁴ of the unit cube that holds all vertices and the ray's origin: vertex minus origin 2,
 //! shear 4, edge functions and the weighted depth 6, box planes minus origin 2; together less than the 32 by which boxes
 //! are grown (`wide::BOX_MARGIN`). So the slab test needs no factor of its own.
-
 use glam::DVec3;
 
-use super::lanes::{Lanes, Portable};
-use super::wide::{DEPTH_MAX, LEAF, Leaf, Node, WIDTH, Wide};
+use super::lanes::Lanes;
+use super::wide::{Leaf, Node, WIDTH};
 
 /// The smallest direction component over the dominant one, so that slopes are finite. A ray would have to be 2⁶⁰ scene
 /// sizes long for it to matter.
@@ -34,7 +33,7 @@ pub(super) struct Ray {
     /// ±1: the direction along the dominant axis.
     sign: f32,
     t_min: f32,
-    t_max: f32,
+    pub(super) t_max: f32,
 }
 
 impl Ray {
@@ -78,8 +77,10 @@ pub(super) struct Nearest {
 }
 
 /// The ray in lanes.
-struct Spread<L> {
+pub(super) struct Spread<L> {
     origin: [L; 3],
+    /// By `Ray::axes`.
+    permuted: [L; 3],
     inverse: [L; 3],
     shear: [L; 2],
     sign: L,
@@ -89,12 +90,14 @@ struct Spread<L> {
 // No closures here: a closure is a function of its own, which would be compiled without AVX2.
 impl<L: Lanes> Spread<L> {
     #[inline(always)]
-    fn new(ray: &Ray) -> Self {
+    pub(super) fn new(ray: &Ray) -> Self {
         let [ox, oy, oz] = ray.origin;
         let [ix, iy, iz] = ray.inverse;
         let [sx, sy] = ray.shear;
+        let [kx, ky, kz] = ray.axes;
         Spread {
             origin: [L::splat(ox), L::splat(oy), L::splat(oz)],
+            permuted: [L::splat(ray.origin[kx]), L::splat(ray.origin[ky]), L::splat(ray.origin[kz])],
             inverse: [L::splat(ix), L::splat(iy), L::splat(iz)],
             shear: [L::splat(sx), L::splat(sy)],
             sign: L::splat(ray.sign),
@@ -110,7 +113,7 @@ impl<L: Lanes> Spread<L> {
 
     /// Children whose boxes the ray meets up to `t_max`, as bits, and where it enters each.
     #[inline(always)]
-    fn boxes(&self, ray: &Ray, node: &Node, t_max: f32) -> (u32, L) {
+    pub(super) fn boxes(&self, ray: &Ray, node: &Node, t_max: f32) -> (u32, L) {
         let [x, y, z] = ray.near_row;
         let planes = &node.planes;
         let near_x = self.slab(0, &planes[x]);
@@ -128,15 +131,15 @@ impl<L: Lanes> Spread<L> {
     #[inline(always)]
     fn corner(&self, ray: &Ray, rows: &[[f32; WIDTH]; 3]) -> [L; 3] {
         let [kx, ky, kz] = ray.axes;
-        let along = L::load(&rows[kz]).minus(self.origin[kz]);
-        let x = L::load(&rows[kx]).minus(self.origin[kx]).minus(self.shear[0].times(along));
-        let y = L::load(&rows[ky]).minus(self.origin[ky]).minus(self.shear[1].times(along));
+        let along = L::load(&rows[kz]).minus(self.permuted[2]);
+        let x = L::load(&rows[kx]).minus(self.permuted[0]).minus(self.shear[0].times(along));
+        let y = L::load(&rows[ky]).minus(self.permuted[1]).minus(self.shear[1].times(along));
         [x, y, along]
     }
 
     /// Triangles of a leaf that the ray hits within `t_min ..= t_max`, as bits, and where.
     #[inline(always)]
-    fn triangles(&self, ray: &Ray, leaf: &Leaf, t_max: f32) -> (u32, L) {
+    pub(super) fn triangles(&self, ray: &Ray, leaf: &Leaf, t_max: f32) -> (u32, L) {
         let [ax, ay, az] = self.corner(ray, &leaf.vertices[0]);
         let [bx, by, bz] = self.corner(ray, &leaf.vertices[1]);
         let [cx, cy, cz] = self.corner(ray, &leaf.vertices[2]);
@@ -153,143 +156,4 @@ impl<L: Lanes> Spread<L> {
         let t = weighted.times(self.sign).over(determinant);
         (inside & self.t_min.at_most(t) & t.at_most(L::splat(t_max)), t)
     }
-}
-
-/// Something to visit: a child reference, and where the ray enters its box.
-type Visit = (u32, f32);
-
-/// The nearest triangle along a ray; of two equally near, the one of the lower index.
-pub(super) fn nearest(simd: Simd, tree: &Wide, ray: &Ray) -> Option<Nearest> {
-    match simd {
-        Simd::Portable => nearest_in::<Portable>(tree, ray),
-        #[cfg(target_arch = "x86_64")]
-        Simd::Avx2 => avx2::nearest(tree, ray),
-    }
-}
-
-/// True when any triangle lies on the ray.
-pub(super) fn any(simd: Simd, tree: &Wide, ray: &Ray) -> bool {
-    match simd {
-        Simd::Portable => any_in::<Portable>(tree, ray),
-        #[cfg(target_arch = "x86_64")]
-        Simd::Avx2 => avx2::any(tree, ray),
-    }
-}
-
-/// Which lanes this machine has.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Simd {
-    /// Plain Rust.
-    Portable,
-    /// AVX2; made by [`Simd::detect`] only.
-    #[cfg(target_arch = "x86_64")]
-    Avx2,
-}
-
-impl Simd {
-    /// The best there is.
-    pub(super) fn detect() -> Simd {
-        #[cfg(target_arch = "x86_64")]
-        if is_x86_feature_detected!("avx2") {
-            return Simd::Avx2;
-        }
-        Simd::Portable
-    }
-}
-
-#[cfg(target_arch = "x86_64")]
-mod avx2 {
-    #![expect(unsafe_code, reason = "calls functions compiled for AVX2")]
-
-    use super::{Nearest, Ray, Wide, any_in, nearest_in};
-    use crate::visibility::lanes::Avx2;
-
-    pub(super) fn nearest(tree: &Wide, ray: &Ray) -> Option<Nearest> {
-        #[target_feature(enable = "avx2")]
-        fn compiled(tree: &Wide, ray: &Ray) -> Option<Nearest> {
-            nearest_in::<Avx2>(tree, ray)
-        }
-        // SAFETY: `Simd::Avx2` is made only where AVX2 was detected.
-        unsafe { compiled(tree, ray) }
-    }
-
-    pub(super) fn any(tree: &Wide, ray: &Ray) -> bool {
-        #[target_feature(enable = "avx2")]
-        fn compiled(tree: &Wide, ray: &Ray) -> bool {
-            any_in::<Avx2>(tree, ray)
-        }
-        // SAFETY: as above.
-        unsafe { compiled(tree, ray) }
-    }
-}
-
-#[inline(always)]
-fn nearest_in<L: Lanes>(tree: &Wide, ray: &Ray) -> Option<Nearest> {
-    let spread = Spread::<L>::new(ray);
-    let mut best = Nearest { triangle: u32::MAX, t: ray.t_max };
-    let mut stack: [Visit; DEPTH_MAX * WIDTH] = [(0, 0.0); DEPTH_MAX * WIDTH];
-    let mut len = usize::from(!tree.nodes.is_empty());
-    while len > 0 {
-        len -= 1;
-        let (child, enter) = stack[len];
-        if enter > best.t {
-            continue;
-        }
-        if child & LEAF != 0 {
-            let leaf = &tree.leaves[(child & !LEAF) as usize];
-            let (mut hits, t) = spread.triangles(ray, leaf, best.t);
-            let t = t.store();
-            while hits != 0 {
-                let lane = hits.trailing_zeros() as usize;
-                hits &= hits - 1;
-                let found = Nearest { triangle: leaf.triangles[lane], t: t[lane] };
-                if found.t < best.t || (found.t == best.t && found.triangle < best.triangle) {
-                    best = found;
-                }
-            }
-            continue;
-        }
-        let node = &tree.nodes[child as usize];
-        let (mut hits, enter) = spread.boxes(ray, node, best.t);
-        let enter = enter.store();
-        let first = len;
-        while hits != 0 {
-            let lane = hits.trailing_zeros() as usize;
-            hits &= hits - 1;
-            let mut at = len;
-            while at > first && stack[at - 1].1 < enter[lane] {
-                stack[at] = stack[at - 1];
-                at -= 1;
-            }
-            stack[at] = (node.children[lane], enter[lane]);
-            len += 1;
-        }
-    }
-    (best.triangle != u32::MAX).then_some(best)
-}
-
-#[inline(always)]
-fn any_in<L: Lanes>(tree: &Wide, ray: &Ray) -> bool {
-    let spread = Spread::<L>::new(ray);
-    let mut stack = [0u32; DEPTH_MAX * WIDTH];
-    let mut len = usize::from(!tree.nodes.is_empty());
-    while len > 0 {
-        len -= 1;
-        let child = stack[len];
-        if child & LEAF != 0 {
-            let leaf = &tree.leaves[(child & !LEAF) as usize];
-            if spread.triangles(ray, leaf, ray.t_max).0 != 0 {
-                return true;
-            }
-            continue;
-        }
-        let node = &tree.nodes[child as usize];
-        let mut hits = spread.boxes(ray, node, ray.t_max).0;
-        while hits != 0 {
-            stack[len] = node.children[hits.trailing_zeros() as usize];
-            hits &= hits - 1;
-            len += 1;
-        }
-    }
-    false
 }

@@ -8,9 +8,11 @@ mod bvh;
 mod kernel;
 mod lanes;
 mod shadow;
+mod simd;
 mod surface;
 mod trace;
 mod view;
+mod walk;
 mod wide;
 
 pub use bvh::Bvh;

@@ -3,7 +3,8 @@
 use glam::DVec3;
 
 use super::bvh::Bvh;
-use super::kernel::{self, Ray, Simd, dominant};
+use super::kernel::{Ray, dominant};
+use super::simd::Simd;
 use super::wide::BOX_MARGIN;
 use crate::scene::Geometry;
 
@@ -51,7 +52,7 @@ impl<'a> Tracer<'a> {
     pub fn closest(&self, origin: DVec3, direction: DVec3, t_min: f64, t_max: f64) -> Option<Hit> {
         let in_tree = |bvh: &Bvh, first: usize, t_max: f64| {
             let (ray, parameter) = local_ray(bvh, origin, direction, t_min, t_max)?;
-            let found = kernel::nearest(self.simd, &bvh.wide, &ray)?;
+            let found = self.simd.nearest(&bvh.wide, &ray)?;
             let triangle = first as u32 + found.triangle;
             let t = self.refine(triangle, origin, direction, parameter.to_scene(f64::from(found.t)));
             Some(Hit { triangle, t })
@@ -68,8 +69,7 @@ impl<'a> Tracer<'a> {
     /// True when any triangle, of either orientation, lies at `t_min ≤ t ≤ t_max`. False for a ray that is not finite.
     pub fn occluded(&self, origin: DVec3, direction: DVec3, t_min: f64, t_max: f64) -> bool {
         let in_tree = |bvh: &Bvh| {
-            local_ray(bvh, origin, direction, t_min, t_max)
-                .is_some_and(|(ray, _)| kernel::any(self.simd, &bvh.wide, &ray))
+            local_ray(bvh, origin, direction, t_min, t_max).is_some_and(|(ray, _)| self.simd.any(&bvh.wide, &ray))
         };
         in_tree(self.still) || self.moving.is_some_and(in_tree)
     }
