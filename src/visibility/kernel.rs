@@ -9,72 +9,10 @@
 //! Rounding, in units u = 2⁻²⁴ of the unit cube that holds all vertices and the ray's origin: vertex minus origin 2,
 //! shear 4, edge functions and the weighted depth 6, box planes minus origin 2; together less than the 32 by which boxes
 //! are grown (`wide::BOX_MARGIN`). So the slab test needs no factor of its own.
-use glam::DVec3;
 
 use super::lanes::Lanes;
+use super::ray::Ray;
 use super::wide::{Leaf, Node, WIDTH};
-
-/// The smallest direction component over the dominant one, so that slopes are finite. A ray would have to be 2⁶⁰ scene
-/// sizes long for it to matter.
-const SLOPE_MIN: f32 = 1.0 / (1u64 << 60) as f32;
-
-/// A ray as the kernel wants it.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Ray {
-    origin: [f32; 3],
-    /// 1 / direction, the direction having ±1 on its dominant axis.
-    inverse: [f32; 3],
-    /// By axis: the row of a node's nearer plane; the farther one is `row ^ 1`.
-    near_row: [usize; 3],
-    /// The two shear axes and the dominant one.
-    axes: [usize; 3],
-    /// Direction along the shear axes over the dominant one.
-    shear: [f32; 2],
-    /// ±1: the direction along the dominant axis.
-    sign: f32,
-    t_min: f32,
-    pub(super) t_max: f32,
-}
-
-impl Ray {
-    /// From an origin and a direction in stored coordinates. `direction` has a dominant component of ±1, t counts along
-    /// it.
-    pub(super) fn new(origin: DVec3, direction: DVec3, t_min: f64, t_max: f64) -> Ray {
-        let dominant = dominant(direction);
-        let axes = [(dominant + 1) % 3, (dominant + 2) % 3, dominant];
-        let direction = direction.as_vec3().to_array();
-        let steep = direction.map(|d| if d.abs() < SLOPE_MIN { SLOPE_MIN.copysign(d) } else { d });
-        Ray {
-            origin: origin.as_vec3().to_array(),
-            inverse: steep.map(|d| 1.0 / d),
-            near_row: std::array::from_fn(|axis| 2 * axis + usize::from(steep[axis].is_sign_negative())),
-            axes,
-            shear: [direction[axes[0]] * direction[axes[2]], direction[axes[1]] * direction[axes[2]]],
-            sign: direction[axes[2]],
-            t_min: t_min as f32,
-            t_max: t_max as f32,
-        }
-    }
-}
-
-/// The axis of the largest component.
-pub(super) fn dominant(direction: DVec3) -> usize {
-    let size = direction.abs();
-    if size.x >= size.y && size.x >= size.z {
-        0
-    } else if size.y >= size.z {
-        1
-    } else {
-        2
-    }
-}
-
-/// The nearest triangle found: its index as given to the build, and the ray's parameter.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Nearest {
-    pub(super) triangle: u32,
-    pub(super) t: f32,
-}
 
 /// The ray in lanes.
 pub(super) struct Spread<L> {

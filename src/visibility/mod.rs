@@ -7,6 +7,7 @@
 mod bvh;
 mod kernel;
 mod lanes;
+mod ray;
 mod shadow;
 mod simd;
 mod surface;

@@ -1,8 +1,8 @@
 //! Chooses the lanes at run time. Both give the same answers, bit for bit.
 
-use super::kernel::{Nearest, Ray};
 use super::lanes::Portable;
-use super::walk;
+use super::ray::Ray;
+use super::walk::{self, Nearest};
 use super::wide::Wide;
 
 /// Which lanes this machine has.

@@ -7,9 +7,22 @@
 
 use std::mem::MaybeUninit;
 
-use super::kernel::{Nearest, Ray, Spread};
+use super::kernel::Spread;
 use super::lanes::Lanes;
+use super::ray::Ray;
 use super::wide::{DEPTH_MAX, LEAF, Leaf, Node, WIDTH, Wide};
+
+/// The nearest triangle found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Nearest {
+    /// Index as given to the build.
+    pub(super) triangle: u32,
+    /// Its leaf, and its place there.
+    pub(super) leaf: u32,
+    pub(super) lane: u32,
+    /// The ray's parameter.
+    pub(super) t: f32,
+}
 
 /// What is still to be visited. There is room for the deepest tree, so nothing is checked.
 struct Stack {
@@ -87,7 +100,7 @@ pub(super) fn nearest<L: Lanes>(tree: &Wide, ray: &Ray) -> Option<Nearest> {
         return None;
     }
     let spread = Spread::<L>::new(ray);
-    let mut best = Nearest { triangle: u32::MAX, t: ray.t_max };
+    let mut best = Nearest { triangle: u32::MAX, leaf: 0, lane: 0, t: ray.t_max };
     let mut stack = Stack::new();
     let mut current = 0;
     loop {
@@ -133,7 +146,12 @@ pub(super) fn nearest<L: Lanes>(tree: &Wide, ray: &Ray) -> Option<Nearest> {
                 while hits != 0 {
                     let lane = hits.trailing_zeros() as usize;
                     hits &= hits - 1;
-                    let found = Nearest { triangle: leaf.triangles[lane], t: t[lane] };
+                    let found = Nearest {
+                        triangle: leaf.triangles[lane],
+                        leaf: current & !LEAF,
+                        lane: lane as u32,
+                        t: t[lane],
+                    };
                     if found.t < best.t || (found.t == best.t && found.triangle < best.triangle) {
                         best = found;
                     }
