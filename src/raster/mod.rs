@@ -173,7 +173,14 @@ pub fn draw_into(
             kernel::fill_band(&view, band, depth, &bins);
         });
         clear = false;
-        if std::env::var_os("RT").is_some() { eprintln!("setup {:?} fill {:?} counts {}", t1-t0, t1.elapsed(), bins.iter().map(|b| b.setups.len()).sum::<usize>()); }
+        if std::env::var_os("RT").is_some() {
+            eprintln!(
+                "setup {:?} fill {:?} counts {}",
+                t1 - t0,
+                t1.elapsed(),
+                bins.iter().map(|b| b.setups.len()).sum::<usize>()
+            );
+        }
         for chunk in &bins {
             counts.kept += u64::from(chunk.kept);
             counts.drawn += u64::from(chunk.drawn);
