@@ -89,13 +89,11 @@ fn project(view: &View, triangles: &[Triangle], lanes: &mut Lanes<LANES>, inside
 /// A counting sort of references to the set-up triangles.
 #[inline(always)]
 fn list_by_band(view: &View, setups: Vec<Setup>, kept: u32, drawn: u32) -> Bins {
-    let span = |setup: &Setup| {
-        (u32::from(setup.y_texels[0]) / view.bands.rows, u32::from(setup.y_texels[1]) / view.bands.rows)
-    };
+    let span = |setup: &Setup| setup.y_texels.map(|y| u32::from(y) >> view.bands.rows_log2);
     let mut tall = Vec::new();
     let mut starts = vec![0_u32; view.bands.count as usize + 1];
     for (i, setup) in setups.iter().enumerate() {
-        let (first, last) = span(setup);
+        let [first, last] = span(setup);
         if last - first >= BANDS_LISTED_MAX {
             tall.push(i as u32);
             continue;
@@ -112,7 +110,7 @@ fn list_by_band(view: &View, setups: Vec<Setup>, kept: u32, drawn: u32) -> Bins 
     // Filled from the end: afterwards each start is where its band begins.
     let mut entries = vec![0; total as usize];
     for (i, setup) in setups.iter().enumerate().rev() {
-        let (first, last) = span(setup);
+        let [first, last] = span(setup);
         if last - first >= BANDS_LISTED_MAX {
             continue;
         }

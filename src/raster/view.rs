@@ -15,14 +15,15 @@ pub(super) const GUARD_TEXELS: f64 = 65_536.0;
 /// A band's memory, texels: 256 KiB of depth, so that a band is filled within a second-level cache.
 const BAND_TEXELS: u32 = 65_536;
 
-/// Fewest and most rows of a band: few enough bands that triangles rarely span many, enough to share out.
-const BAND_ROWS: (u32, u32) = (8, 32);
+/// Binary logarithms of the fewest and most rows of a band: few enough bands that triangles rarely span many, enough to
+/// share out.
+const BAND_ROWS_LOG2: (u32, u32) = (3, 5);
 
 /// A partition of the map into runs of rows.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bands {
-    /// Rows of each band; the last may have fewer.
-    pub(super) rows: u32,
+    /// Binary logarithm of the rows of each band; the last may have fewer rows.
+    pub(super) rows_log2: u32,
     /// Number of bands.
     pub(super) count: u32,
 }
@@ -62,13 +63,13 @@ impl View {
             DVec4::new(0.0, 0.0, 0.5, 0.0),
             DVec4::new(half_width, half_height, 0.5, 1.0),
         );
-        let rows = (BAND_TEXELS / width).clamp(BAND_ROWS.0, BAND_ROWS.1);
+        let rows_log2 = (BAND_TEXELS / width).ilog2().clamp(BAND_ROWS_LOG2.0, BAND_ROWS_LOG2.1);
         Ok(Self {
             window_from_scene: (window_from_clip * *clip_from_scene).to_cols_array_2d(),
             width,
             height,
             bias,
-            bands: Bands { rows, count: height.div_ceil(rows) },
+            bands: Bands { rows_log2, count: height.div_ceil(1 << rows_log2) },
         })
     }
 
