@@ -66,8 +66,9 @@ def float_depth_texture(gl, width, height):
     texture.use(0)
     texture_2d, depth_component32f, depth_component, float_type = 0x0DE1, 0x8CAC, 0x1902, 0x1406
     image(texture_2d, 0, depth_component32f, width, height, 0, depth_component, float_type, None)
-    if gl.error != "GL_NO_ERROR":
-        raise RuntimeError(f"no float depth texture of {width} x {height}: {gl.error}")
+    error = gl.error
+    if error != "GL_NO_ERROR":
+        raise SystemExit(f"no float depth texture of {width} x {height}: {error}")
     return texture
 
 

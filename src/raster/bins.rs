@@ -1,9 +1,12 @@
 //! A chunk of triangles, set up and listed by the bands they touch.
 
 use super::clip;
-use super::setup::{Setup, Vertex};
-use super::view::View;
+use super::setup::{Lanes, Setup};
+use super::view::{View, divided};
 use crate::scene::Triangle;
+
+/// Triangles set up at once: loops long enough to be vectorised, arrays that stay in the first-level cache.
+const LANES: usize = 64;
 
 /// Bands above which a triangle is not listed per band but looked at by all: bounds the lists.
 const BANDS_LISTED_MAX: u32 = 16;
@@ -38,35 +41,59 @@ impl Bins {
 pub(super) fn set_up_chunk(view: &View, first: u32, triangles: &[Triangle], keep: &impl Fn(u32) -> bool) -> Bins {
     let mut setups: Vec<Setup> = Vec::with_capacity(triangles.len());
     let (mut kept, mut drawn) = (0, 0);
-    for (i, triangle) in triangles.iter().enumerate() {
-        if !keep(first + i as u32) {
-            continue;
+    let mut lanes = Lanes::<LANES>::new();
+    let mut inside = [false; LANES];
+    for (block, triangles) in triangles.chunks(LANES).enumerate() {
+        project(view, triangles, &mut lanes, &mut inside);
+        for i in 0..LANES {
+            let wanted = i < triangles.len() && keep(first + (block * LANES + i) as u32);
+            kept += u32::from(wanted);
+            lanes.live[i] = wanted && inside[i];
+            if wanted && !inside[i] {
+                let projected = triangles[i].map(|v| view.project(f64::from(v.x), f64::from(v.y), f64::from(v.z)));
+                drawn += u32::from(clip::clip(view, &projected, &mut setups) > 0);
+            }
         }
-        kept += 1;
-        let before = setups.len();
-        let projected = triangle.map(|v| view.project(v));
-        // Written so that NaN is not inside.
-        let inside = projected.iter().all(|&p| view.distances(p).iter().all(|&d| d >= 0.0) && p[3] > 0.0);
-        if inside {
-            setups.extend(Setup::new(view, &projected.map(Vertex::from_homogeneous), None));
-        } else {
-            clip::clip(view, &projected, |setup| setups.push(setup));
-        }
-        drawn += u32::from(setups.len() > before);
+        lanes.derive_slopes();
+        drawn += lanes.set_up(view, &mut setups) as u32;
     }
     list_by_band(view, setups, kept, drawn)
+}
+
+/// Window positions of up to [`LANES`] triangles, and which lie inside the near and far planes and the guard band.
+#[inline(always)]
+fn project(view: &View, triangles: &[Triangle], lanes: &mut Lanes<LANES>, inside: &mut [bool; LANES]) {
+    *inside = [true; LANES];
+    for corner in 0..3 {
+        let (mut x, mut y, mut z) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
+        for (i, triangle) in triangles.iter().enumerate() {
+            let v = triangle[corner];
+            (x[i], y[i], z[i]) = (f64::from(v.x), f64::from(v.y), f64::from(v.z));
+        }
+        for i in 0..LANES {
+            let p = view.project(x[i], y[i], z[i]);
+            // Written so that NaN is not inside.
+            let d = view.distances(p);
+            inside[i] &= (d[0] >= 0.0)
+                & (d[1] >= 0.0)
+                & (d[2] >= 0.0)
+                & (d[3] >= 0.0)
+                & (d[4] >= 0.0)
+                & (d[5] >= 0.0)
+                & (p[3] > 0.0);
+            [lanes.x[corner][i], lanes.y[corner][i], lanes.z[corner][i]] = divided(p);
+        }
+    }
 }
 
 /// A counting sort of references to the set-up triangles.
 #[inline(always)]
 fn list_by_band(view: &View, setups: Vec<Setup>, kept: u32, drawn: u32) -> Bins {
-    let span = |setup: &Setup| {
-        (u32::from(setup.y_texels[0]) / view.bands.rows, u32::from(setup.y_texels[1]) / view.bands.rows)
-    };
+    let span = |setup: &Setup| setup.y_texels.map(|y| u32::from(y) >> view.bands.rows_log2);
     let mut tall = Vec::new();
     let mut starts = vec![0_u32; view.bands.count as usize + 1];
     for (i, setup) in setups.iter().enumerate() {
-        let (first, last) = span(setup);
+        let [first, last] = span(setup);
         if last - first >= BANDS_LISTED_MAX {
             tall.push(i as u32);
             continue;
@@ -83,7 +110,7 @@ fn list_by_band(view: &View, setups: Vec<Setup>, kept: u32, drawn: u32) -> Bins 
     // Filled from the end: afterwards each start is where its band begins.
     let mut entries = vec![0; total as usize];
     for (i, setup) in setups.iter().enumerate().rev() {
-        let (first, last) = span(setup);
+        let [first, last] = span(setup);
         if last - first >= BANDS_LISTED_MAX {
             continue;
         }

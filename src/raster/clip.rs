@@ -4,8 +4,8 @@
 //! outside, so two triangles that share an edge cut it at the same point: no cracks. 0 ≤ Z ≤ w leaves w ≥ 0, and
 //! w = 0 only at the homogeneous origin, which has no position and is dropped.
 
-use super::setup::{Setup, Slope, Vertex};
-use super::view::View;
+use super::setup::{Lanes, Setup};
+use super::view::{View, divided};
 
 /// Three vertices and one more for each of the six planes.
 const VERTICES_MAX: usize = 9;
@@ -26,31 +26,34 @@ impl Polygon {
     }
 }
 
-/// Clips a triangle given in homogeneous window space, sets the pieces up and hands them on.
-pub(super) fn clip(view: &View, triangle: &[[f64; 4]; 3], mut piece: impl FnMut(Setup)) {
+/// Clips a triangle given in homogeneous window space and sets the pieces up; returns how many there were.
+pub(super) fn clip(view: &View, triangle: &[[f64; 4]; 3], setups: &mut Vec<Setup>) -> usize {
     if outside_map(view, triangle) {
-        return;
+        return 0;
     }
     let mut polygon = Polygon { vertices: [[0.0; 4]; VERTICES_MAX], len: 3 };
     polygon.vertices[..3].copy_from_slice(triangle);
     for plane in 0..6 {
         polygon = cut(view, &polygon, plane);
     }
-    let mut window = [Vertex { x: 0.0, y: 0.0, z: 0.0 }; VERTICES_MAX];
+    let mut window = [[0.0; 3]; VERTICES_MAX];
     let mut len = 0;
     for &vertex in &polygon.vertices[..polygon.len] {
-        let vertex = Vertex::from_homogeneous(vertex);
-        if vertex.is_finite() {
+        let vertex = divided(vertex);
+        if vertex.iter().all(|t| t.is_finite()) {
             window[len] = vertex;
             len += 1;
         }
     }
-    let slope = homogeneous_slope(triangle);
+    let mut pieces = Lanes::<VERTICES_MAX>::new();
     for i in 2..len {
-        if let Some(setup) = Setup::new(view, &[window[0], window[i - 1], window[i]], slope) {
-            piece(setup);
+        for (corner, vertex) in [window[0], window[i - 1], window[i]].into_iter().enumerate() {
+            [pieces.x[corner][i], pieces.y[corner][i], pieces.z[corner][i]] = vertex;
         }
+        pieces.live[i] = true;
     }
+    [pieces.z_u, pieces.z_v] = homogeneous_slope(triangle).map(|slope| [slope; VERTICES_MAX]);
+    pieces.set_up(view, setups)
 }
 
 /// True when all vertices lie beyond the same side of the map, or one is not a number.
@@ -90,13 +93,12 @@ fn crossing(inside: [f64; 4], outside: [f64; 4], t: f64) -> [f64; 4] {
     std::array::from_fn(|i| inside[i] + t * (outside[i] - inside[i]))
 }
 
-/// Slope of the depth plane from the whole triangle, wherever its vertices lie: with Z = u X + v Y + c w at all three,
-/// Cramer's rule gives u and v.
-fn homogeneous_slope([a, b, c]: &[[f64; 4]; 3]) -> Option<Slope> {
+/// Slope of the depth plane, per texel, from the whole triangle wherever its vertices lie: with Z = u X + v Y + c w at
+/// all three, Cramer's rule gives u and v.
+fn homogeneous_slope([a, b, c]: &[[f64; 4]; 3]) -> [f64; 2] {
     let det = |i: usize, j: usize, k: usize| {
         a[i] * (b[j] * c[k] - b[k] * c[j]) - a[j] * (b[i] * c[k] - b[k] * c[i]) + a[k] * (b[i] * c[j] - b[j] * c[i])
     };
     let whole = det(0, 1, 3);
-    let slope = Slope { u: det(2, 1, 3) / whole, v: det(0, 2, 3) / whole };
-    (slope.u.is_finite() && slope.v.is_finite()).then_some(slope)
+    [det(2, 1, 3) / whole, det(0, 2, 3) / whole]
 }

@@ -43,7 +43,7 @@ fn fill_band_avx2(view: &View, band: usize, depth: &mut [f32], chunks: &[Bins]) 
 #[inline(always)]
 fn fill_band_here(view: &View, band: usize, depth: &mut [f32], chunks: &[Bins]) {
     let rows = depth.len() as i32 / view.width as i32;
-    let mut target = Band { depth, width: view.width as i32, y: band as i32 * view.bands.rows as i32, rows };
+    let mut target = Band { depth, width: view.width as i32, y: (band as i32) << view.bands.rows_log2, rows };
     for chunk in chunks {
         for &i in chunk.tall.iter().chain(chunk.band(band)) {
             fill::fill(&mut target, &chunk.setups[i as usize]);

@@ -151,7 +151,7 @@ pub fn draw_into(
     let texels = texels(map.width, map.height)?;
     let view = View::new(clip_from_scene, map.width, map.height, bias)?;
     map.depth.resize(texels, FAR);
-    let band_texels = view.bands.rows as usize * map.width as usize;
+    let band_texels = (map.width as usize) << view.bands.rows_log2;
 
     let chunks = chunks(geometry);
     let mut counts = Counts::default();
@@ -160,12 +160,10 @@ pub fn draw_into(
     let batches = chunks.len().div_ceil(BATCH_CHUNKS).max(1);
     for batch in 0..batches {
         let end = chunks.len().min((batch + 1) * BATCH_CHUNKS);
-        let t0 = std::time::Instant::now();
         let bins: Vec<bins::Bins> = chunks[batch * BATCH_CHUNKS..end]
             .par_iter()
             .map(|&(first, triangles)| kernel::set_up_chunk(&view, first, triangles, &keep))
             .collect();
-        let t1 = std::time::Instant::now();
         map.depth.par_chunks_mut(band_texels).enumerate().for_each(|(band, depth)| {
             if clear {
                 depth.fill(FAR);
@@ -173,14 +171,6 @@ pub fn draw_into(
             kernel::fill_band(&view, band, depth, &bins);
         });
         clear = false;
-        if std::env::var_os("RT").is_some() {
-            eprintln!(
-                "setup {:?} fill {:?} counts {}",
-                t1 - t0,
-                t1.elapsed(),
-                bins.iter().map(|b| b.setups.len()).sum::<usize>()
-            );
-        }
         for chunk in &bins {
             counts.kept += u64::from(chunk.kept);
             counts.drawn += u64::from(chunk.drawn);

@@ -4,25 +4,26 @@
 //! texels from the bottom left corner and Z/w the window depth. Clipping is linear there too, and a vertex has one
 //! window position whether its triangle was clipped or not: no cracks between the two.
 
-use glam::{DMat4, DVec4, Vec3};
+use glam::{DMat4, DVec4};
 
 use super::{Bias, RasterError};
 
-/// Texels beyond which triangles are clipped, on each side of the map. Snapped coordinates then stay within 2^29
-/// subtexels, and edge functions within 2^60: exact in i64.
-pub(super) const GUARD_TEXELS: f64 = 1_048_576.0;
+/// Texels beyond which triangles are clipped, on each side of the map. Snapped coordinates then stay within
+/// (2^16 + 2^14) * 256 < 2^25 subtexels, and products of their differences below 2^52: exact in i64 and in f64.
+pub(super) const GUARD_TEXELS: f64 = 65_536.0;
 
 /// A band's memory, texels: 256 KiB of depth, so that a band is filled within a second-level cache.
 const BAND_TEXELS: u32 = 65_536;
 
-/// Fewest and most rows of a band: few enough bands that triangles rarely span many, enough to share out.
-const BAND_ROWS: (u32, u32) = (8, 32);
+/// Binary logarithms of the fewest and most rows of a band: few enough bands that triangles rarely span many, enough to
+/// share out.
+const BAND_ROWS_LOG2: (u32, u32) = (3, 5);
 
 /// A partition of the map into runs of rows.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bands {
-    /// Rows of each band; the last may have fewer.
-    pub(super) rows: u32,
+    /// Binary logarithm of the rows of each band; the last may have fewer rows.
+    pub(super) rows_log2: u32,
     /// Number of bands.
     pub(super) count: u32,
 }
@@ -62,21 +63,20 @@ impl View {
             DVec4::new(0.0, 0.0, 0.5, 0.0),
             DVec4::new(half_width, half_height, 0.5, 1.0),
         );
-        let rows = (BAND_TEXELS / width).clamp(BAND_ROWS.0, BAND_ROWS.1);
+        let rows_log2 = (BAND_TEXELS / width).ilog2().clamp(BAND_ROWS_LOG2.0, BAND_ROWS_LOG2.1);
         Ok(Self {
             window_from_scene: (window_from_clip * *clip_from_scene).to_cols_array_2d(),
             width,
             height,
             bias,
-            bands: Bands { rows, count: height.div_ceil(rows) },
+            bands: Bands { rows_log2, count: height.div_ceil(1 << rows_log2) },
         })
     }
 
     /// Homogeneous window position of a scene point.
     #[inline(always)]
-    pub(super) fn project(&self, point: Vec3) -> [f64; 4] {
+    pub(super) fn project(&self, x: f64, y: f64, z: f64) -> [f64; 4] {
         let [c0, c1, c2, c3] = &self.window_from_scene;
-        let (x, y, z) = (f64::from(point.x), f64::from(point.y), f64::from(point.z));
         std::array::from_fn(|row| (c0[row] * x + c1[row] * y) + (c2[row] * z + c3[row]))
     }
 
@@ -95,4 +95,11 @@ impl View {
             (f64::from(self.height) * w - y) + guard,
         ]
     }
+}
+
+/// Divides a homogeneous window position by its w: texels, texels, window depth.
+#[inline(always)]
+pub(super) fn divided([x, y, z, w]: [f64; 4]) -> [f64; 3] {
+    let inverse = 1.0 / w;
+    [x * inverse, y * inverse, z * inverse]
 }

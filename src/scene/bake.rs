@@ -115,18 +115,19 @@ pub(super) fn split(model: &Model, frames: &[FrameTime]) -> Result<Split, SceneE
     Ok(Split { still, moving, animated, first, bounds })
 }
 
-/// Where scene space has its zero, world metres: the world's, unless f32 vertices would then be rounded by more than
-/// [`MAX_ROUNDING_OF_DIAGONAL`]. Else the centre of the bounds, rounded to a multiple of the greatest power of two that
-/// is at most the diagonal: such a number is short in decimal and exact in f32.
+/// Where scene space has its zero, world metres. Along each axis it is the world's, unless f32 vertices would then be
+/// rounded by more than [`MAX_ROUNDING_OF_DIAGONAL`]; else the centre of the bounds, rounded to a multiple of the
+/// greatest power of two that is at most the diagonal: such a number is short in decimal and exact in f32.
 pub(super) fn origin(bounds: &Bounds) -> DVec3 {
     let diagonal = bounds.diagonal();
-    let farthest = bounds.min.abs().max(bounds.max.abs()).max_element();
-    if !(farthest * F32_ROUNDING > MAX_ROUNDING_OF_DIAGONAL * diagonal && farthest.is_finite()) {
-        return DVec3::ZERO;
-    }
     let step = diagonal.log2().floor().exp2();
-    let rounded = (bounds.min.midpoint(bounds.max) / step).round() * step;
-    if rounded.is_finite() { rounded } else { DVec3::ZERO }
+    let along = |axis: usize| {
+        let (min, max) = (bounds.min[axis], bounds.max[axis]);
+        let rounding = min.abs().max(max.abs()) * F32_ROUNDING;
+        let centre = (min.midpoint(max) / step).round() * step;
+        if rounding > MAX_ROUNDING_OF_DIAGONAL * diagonal && centre.is_finite() { centre } else { 0.0 }
+    };
+    DVec3::new(along(0), along(1), along(2))
 }
 
 /// Appends the triangles of a part in scene space; returns how many were dropped because rounding to f32 (or a scale of
@@ -168,8 +169,8 @@ mod tests {
         assert_eq!(origin(&bounds(DVec3::new(100.0, 0.0, 0.0), 10.0)), DVec3::ZERO);
         let far = DVec3::new(500_123.4, -20.0, 4_800_456.7);
         let moved = origin(&bounds(far, 10.0));
-        assert!((moved - far).abs().max_element() <= 16.0);
-        assert_eq!(moved, DVec3::new(500_128.0, -32.0, 4_800_448.0));
+        assert!((moved - far).abs().max_element() <= 20.0);
+        assert_eq!(moved, DVec3::new(500_128.0, 0.0, 4_800_448.0));
         assert_eq!(moved.as_vec3().as_dvec3(), moved);
         assert_eq!(origin(&Bounds::EMPTY), DVec3::ZERO);
     }

@@ -10,7 +10,7 @@ use super::{Camera, CameraKey, CameraParams, Projection, SceneError};
 use glam::{DMat3, DVec3, DVec4};
 
 /// Near plane of a pose that states none, relative to the scene's diagonal: nothing of note is that near to a camera,
-/// and 24-bit depth over it and an infinite far plane still tells 1e-4 of the distance apart.
+/// and with an infinite far plane 24-bit depth still resolves 6e-5 of the distance at one diagonal.
 const NEAR_OF_DIAGONAL: f64 = 1e-3;
 
 /// Azimuth (from +z towards +x) and elevation of the view of everything, degrees: the classic three-quarter view.
@@ -52,15 +52,11 @@ pub(super) fn posed(params: &CameraParams, fps: f64, around: &Surroundings) -> R
         (Some(_), None) => Aim::LookAt(points("look_at", params.look_at, &keys, fps, |key| key.look_at)?),
         (None, Some(_)) => Aim::Rotation(rotations(params.rotation, &keys, fps)?),
         (Some(_), Some(key)) => {
-            return Err(SceneError::bad_value(
-                key,
-                "given",
-                "and look_at are two ways to say the same; keep one of them",
-            ));
+            return Err(SceneError::bad_key(key, "clashes with look_at, which says the same; keep one of them"));
         }
         (None, None) => {
-            let problem = "a camera pose needs look_at = [x, y, z] (or rotation = [x, y, z, w])";
-            return Err(SceneError::bad_value("camera.look_at", "absent", problem));
+            let problem = "missing; a camera pose needs look_at = [x, y, z] (or rotation = [x, y, z, w])";
+            return Err(SceneError::bad_key("camera.look_at", problem));
         }
     };
     let angle = |v: f64| v > 0.0 && v < 180.0;
@@ -192,7 +188,7 @@ fn points(
         let finite = point.is_finite().then(|| point.extend(0.0));
         finite.ok_or_else(|| SceneError::bad_value(key, value, "must be three finite numbers, metres"))
     };
-    let missing = || SceneError::bad_value(format!("camera.{name}"), "absent", "a camera pose needs it: [x, y, z]");
+    let missing = || SceneError::bad_key(format!("camera.{name}"), "missing; a camera pose needs it: [x, y, z]");
     track(name, base, keys, fps, of, check)?.ok_or_else(missing)
 }
 
@@ -201,7 +197,7 @@ fn rotations(base: Option<[f64; 4]>, keys: &[(usize, &CameraKey)], fps: f64) -> 
         let unit = unit_quat(DVec4::from_array(value)).map(DVec4::from);
         unit.ok_or_else(|| SceneError::bad_value(key, value, "must be a quaternion [x, y, z, w] with a length"))
     };
-    let missing = || SceneError::bad_value("camera.rotation", "absent", "a camera pose needs it: [x, y, z, w]");
+    let missing = || SceneError::bad_key("camera.rotation", "missing; a camera pose needs it: [x, y, z, w]");
     let found = track("rotation", base, keys, fps, |key| key.rotation, check)?.ok_or_else(missing)?;
     Ok(Track { rotation: true, ..found })
 }

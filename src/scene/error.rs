@@ -75,6 +75,14 @@ pub enum SceneError {
         /// Why not, and what would do.
         problem: String,
     },
+    /// A key of the job is missing where it is needed, or given where it means nothing.
+    #[error("{key}: {problem}")]
+    BadKey {
+        /// Full key.
+        key: String,
+        /// What to add or remove.
+        problem: String,
+    },
     /// The choice of camera is not settled.
     #[error("{problem}; cameras in the scene: {known}; {remedy}")]
     Camera {
@@ -109,5 +117,10 @@ impl SceneError {
     /// A [`SceneError::BadValue`].
     pub(super) fn bad_value(key: impl Into<String>, value: impl std::fmt::Debug, problem: impl Into<String>) -> Self {
         SceneError::BadValue { key: key.into(), value: format!("{value:?}"), problem: problem.into() }
+    }
+
+    /// A [`SceneError::BadKey`].
+    pub(super) fn bad_key(key: impl Into<String>, problem: impl Into<String>) -> Self {
+        SceneError::BadKey { key: key.into(), problem: problem.into() }
     }
 }

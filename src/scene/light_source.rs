@@ -84,7 +84,7 @@ fn placement_needs_kind(light: &LightParams) -> Result<(), SceneError> {
         Some((name, _)) => {
             let problem = "without `kind` the light is taken from the scene's files as it is; add kind = \
                            \"directional\", \"point\" or \"spot\"";
-            Err(SceneError::BadValue { key: key(light, name), value: "given".into(), problem: problem.into() })
+            Err(SceneError::bad_key(key(light, name), problem))
         }
     }
 }
@@ -92,10 +92,10 @@ fn placement_needs_kind(light: &LightParams) -> Result<(), SceneError> {
 /// A light that the job describes.
 fn defined(light: &LightParams, kind: LightKindName) -> Result<Light, SceneError> {
     let missing = |name: &str, what: &str| {
-        SceneError::bad_value(key(light, name), "absent", format!("a {kind:?} light needs it: {what}"))
+        SceneError::bad_key(key(light, name), format!("missing; a {kind:?} light needs it: {what}"))
     };
     let unused = |name: &str, given: bool| match given {
-        true => Err(SceneError::bad_value(key(light, name), "given", format!("a {kind:?} light has none; remove it"))),
+        true => Err(SceneError::bad_key(key(light, name), format!("a {kind:?} light has none; remove it"))),
         false => Ok(()),
     };
     let direction = || {

@@ -1,5 +1,8 @@
 //! Files → an immutable, fully resolved [`Scene`]; `Scene::frame(t)` → camera, lights, moving triangles.
 //!
+//! Readers (`gltf/`, `obj`) fill a `model`; `camera_source`, `light_source` and `frames` settle what the job leaves open;
+//! `bake` poses the model, tells still from moving parts, chooses the origin and makes triangles; `shot` runs the stage.
+//!
 //! After this stage there are no nodes, no accessors, no units, no keyframes: only triangles in scene space.
 
 mod bake;

@@ -1,11 +1,13 @@
 //! Names of cameras and lights: how a job refers to them, and how they are listed.
 
 use super::model::Node;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// The names of one camera or light of a file.
 #[derive(Clone, Debug)]
 pub(super) struct Names {
-    /// Unique among its kind: the node's name, else its own, else the kind with a number; repeated ones numbered.
+    /// Unique among its kind: its own name where no other has it, else its node's name, else the kind with a number;
+    /// repeated ones are numbered.
     pub unique: String,
     /// The other names it goes by.
     pub also: Vec<String>,
@@ -13,14 +15,25 @@ pub(super) struct Names {
 
 /// Names of all things of a kind, given the nodes that hold them and their own names.
 pub(super) fn name_all<'a>(kind: &str, things: impl Iterator<Item = (&'a Node, Option<&'a str>)>) -> Vec<Names> {
-    let mut all: Vec<Names> = Vec::new();
-    for (index, (node, own)) in things.enumerate() {
-        let also: Vec<String> = node.name.as_deref().into_iter().chain(own).map(str::to_owned).collect();
-        let wish = also.iter().find(|name| !name.is_empty()).cloned().unwrap_or_else(|| format!("{kind}-{index}"));
-        let taken = |name: &String| all.iter().any(|other| other.unique == *name);
-        let numbered = std::iter::once(wish.clone()).chain((2..).map(|k| format!("{wish}-{k}")));
-        let unique = numbered.skip_while(taken).take(1).collect();
-        all.push(Names { unique, also });
+    let things: Vec<_> = things
+        .map(|(node, own)| [own, node.name.as_deref()].map(|name| name.filter(|name| !name.is_empty())))
+        .collect();
+    let mut uses = BTreeMap::new();
+    for [own, _] in &things {
+        *uses.entry(*own).or_insert(0) += 1;
+    }
+    let mut taken = BTreeSet::new();
+    let mut all = Vec::with_capacity(things.len());
+    for (index, &[own, node]) in things.iter().enumerate() {
+        let own_if_unique = own.filter(|_| uses[&own] == 1);
+        let wish = own_if_unique.or(node).or(own).map_or_else(|| format!("{kind}-{index}"), str::to_owned);
+        let mut unique = wish.clone();
+        let mut number = 2;
+        while !taken.insert(unique.clone()) {
+            unique = format!("{wish}-{number}");
+            number += 1;
+        }
+        all.push(Names { unique, also: [own, node].into_iter().flatten().map(str::to_owned).collect() });
     }
     all
 }
@@ -92,11 +105,14 @@ mod tests {
         let own = [Some("A"), Some("B"), Some("bulb"), None, Some("B")];
         let all = name_all("light", nodes.iter().zip(own));
         let unique: Vec<&str> = all.iter().map(|names| names.unique.as_str()).collect();
-        assert_eq!(unique, ["lamp", "lamp-2", "bulb", "light-3", "lamp-2-2"]);
-        assert_eq!(find(&all, "lamp"), Found::One(0));
+        assert_eq!(unique, ["A", "lamp", "bulb", "light-3", "lamp-2"]);
+        assert_eq!(find(&all, "lamp"), Found::One(1));
         assert_eq!(find(&all, "A"), Found::One(0));
         assert_eq!(find(&all, "B"), Found::Several);
         assert_eq!(find(&all, "x"), Found::None);
+        let twins =
+            name_all("camera", [node(None), node(None), node(Some(""))].iter().zip([Some("B"), Some("B"), None]));
+        assert_eq!(twins.iter().map(|names| names.unique.as_str()).collect::<Vec<_>>(), ["B", "B-2", "camera-2"]);
         assert_eq!(did_you_mean(&all, "blub"), " (did you mean \"bulb\"?)");
         assert_eq!(did_you_mean(&all, "xyzzy"), "");
     }

@@ -92,10 +92,12 @@ pub fn load(params: &ShotParams<'_>) -> Result<Shot, SceneError> {
     let film = film(params.image, camera.aspect())?;
 
     let Model { nodes, mut meshes, inputs, notes, .. } = model;
-    for (index, mesh) in meshes.iter_mut().enumerate() {
-        if !split.moving.iter().any(|part| part.mesh == index) {
-            *mesh = Mesh::default();
-        }
+    let mut kept = vec![false; meshes.len()];
+    for part in &split.moving {
+        kept[part.mesh] = true;
+    }
+    for (mesh, _) in meshes.iter_mut().zip(kept).filter(|(_, kept)| !kept) {
+        *mesh = Mesh::default();
     }
     let Split { moving, animated, first, .. } = split;
     let scene = Scene { origin, still, inputs, notes, nodes, meshes, moving, animated, first, camera, lights };

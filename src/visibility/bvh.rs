@@ -26,7 +26,7 @@ const REINSERTION_SHARE: f32 = 0.05;
 pub struct Bvh {
     pub(super) wide: Wide,
     /// Stored coordinate = scale × scene coordinate; a power of two.
-    pub(super) scale: f64,
+    scale: f64,
     bounds: Option<[DVec3; 2]>,
 }
 
@@ -47,6 +47,11 @@ impl Bvh {
         let binary = binary_tree(triangles, &kept, low.as_dvec3(), high.as_dvec3());
         let wide = Wide::collapse(&binary, &kept, triangles, scale);
         Bvh { wide, scale, bounds: Some([low.as_dvec3(), high.as_dvec3()]) }
+    }
+
+    /// What stored coordinates are multiplied by.
+    pub(super) fn scale(&self) -> f64 {
+        self.scale
     }
 
     /// Lower and upper corner of the triangles kept, scene space, metres; `None` when there is none.

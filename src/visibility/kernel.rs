@@ -10,120 +10,77 @@
 //! shear 4, edge functions and the weighted depth 6, box planes minus origin 2; together less than the 32 by which boxes
 //! are grown (`wide::BOX_MARGIN`). So the slab test needs no factor of its own.
 
-use glam::DVec3;
-
 use super::lanes::Lanes;
-use super::wide::{DEPTH_MAX, LEAF, Leaf, Node, WIDTH, Wide};
-
-/// The smallest direction component over the dominant one, so that slopes are finite. A ray would have to be 2⁶⁰ scene
-/// sizes long for it to matter.
-const SLOPE_MIN: f32 = 1.0 / (1u64 << 60) as f32;
-
-/// A ray as the kernel wants it.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Ray {
-    origin: [f32; 3],
-    /// 1 / direction, the direction having ±1 on its dominant axis.
-    inverse: [f32; 3],
-    /// By axis: the row of a node's nearer plane; the farther one is `row ^ 1`.
-    near_row: [usize; 3],
-    /// The two shear axes and the dominant one.
-    axes: [usize; 3],
-    /// Direction along the shear axes over the dominant one.
-    shear: [f32; 2],
-    /// ±1: the direction along the dominant axis.
-    sign: f32,
-    t_min: f32,
-    t_max: f32,
-}
-
-impl Ray {
-    /// From an origin and a direction in stored coordinates. `direction` has a dominant component of ±1, t counts along
-    /// it.
-    pub(super) fn new(origin: DVec3, direction: DVec3, t_min: f64, t_max: f64) -> Ray {
-        let dominant = dominant(direction);
-        let axes = [(dominant + 1) % 3, (dominant + 2) % 3, dominant];
-        let direction = direction.as_vec3().to_array();
-        let steep = direction.map(|d| if d.abs() < SLOPE_MIN { SLOPE_MIN.copysign(d) } else { d });
-        Ray {
-            origin: origin.as_vec3().to_array(),
-            inverse: steep.map(|d| 1.0 / d),
-            near_row: std::array::from_fn(|axis| 2 * axis + usize::from(steep[axis].is_sign_negative())),
-            axes,
-            shear: [direction[axes[0]] * direction[axes[2]], direction[axes[1]] * direction[axes[2]]],
-            sign: direction[axes[2]],
-            t_min: t_min as f32,
-            t_max: t_max as f32,
-        }
-    }
-}
-
-/// The axis of the largest component.
-pub(super) fn dominant(direction: DVec3) -> usize {
-    let size = direction.abs();
-    if size.x >= size.y && size.x >= size.z {
-        0
-    } else if size.y >= size.z {
-        1
-    } else {
-        2
-    }
-}
-
-/// The nearest triangle found: its index as given to the build, and the ray's parameter.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Nearest {
-    pub(super) triangle: u32,
-    pub(super) t: f32,
-}
+use super::ray::Ray;
+use super::wide::{Leaf, Node, WIDTH};
 
 /// The ray in lanes.
-struct Spread<L> {
+pub(super) struct Spread<L> {
     origin: [L; 3],
+    /// By `Ray::axes`.
+    permuted: [L; 3],
     inverse: [L; 3],
     shear: [L; 2],
     sign: L,
     t_min: L,
 }
 
+// No closures here: a closure is a function of its own, which would be compiled without AVX2.
 impl<L: Lanes> Spread<L> {
     #[inline(always)]
-    fn new(ray: &Ray) -> Self {
+    pub(super) fn new(ray: &Ray) -> Self {
+        let [ox, oy, oz] = ray.origin;
+        let [ix, iy, iz] = ray.inverse;
+        let [sx, sy] = ray.shear;
+        let [kx, ky, kz] = ray.axes;
         Spread {
-            origin: ray.origin.map(L::splat),
-            inverse: ray.inverse.map(L::splat),
-            shear: ray.shear.map(L::splat),
+            origin: [L::splat(ox), L::splat(oy), L::splat(oz)],
+            permuted: [L::splat(ray.origin[kx]), L::splat(ray.origin[ky]), L::splat(ray.origin[kz])],
+            inverse: [L::splat(ix), L::splat(iy), L::splat(iz)],
+            shear: [L::splat(sx), L::splat(sy)],
             sign: L::splat(ray.sign),
             t_min: L::splat(ray.t_min),
         }
     }
 
+    /// Where the ray meets eight parallel planes.
+    #[inline(always)]
+    fn slab(&self, axis: usize, planes: &[f32; WIDTH]) -> L {
+        L::load(planes).minus(self.origin[axis]).times(self.inverse[axis])
+    }
+
     /// Children whose boxes the ray meets up to `t_max`, as bits, and where it enters each.
     #[inline(always)]
-    fn boxes(&self, ray: &Ray, node: &Node, t_max: f32) -> (u32, L) {
-        let slab =
-            |axis: usize, row: usize| L::load(&node.planes[row]).minus(self.origin[axis]).times(self.inverse[axis]);
-        let near = |axis: usize| slab(axis, ray.near_row[axis]);
-        let far = |axis: usize| slab(axis, ray.near_row[axis] ^ 1);
-        let enter = near(0).max(near(1)).max(near(2).max(self.t_min));
-        let leave = far(0).min(far(1)).min(far(2).min(L::splat(t_max)));
+    pub(super) fn boxes(&self, ray: &Ray, node: &Node, t_max: f32) -> (u32, L) {
+        let [x, y, z] = ray.near_row;
+        let planes = &node.planes;
+        let near_x = self.slab(0, &planes[x]);
+        let near_y = self.slab(1, &planes[y]);
+        let near_z = self.slab(2, &planes[z]);
+        let far_x = self.slab(0, &planes[x ^ 1]);
+        let far_y = self.slab(1, &planes[y ^ 1]);
+        let far_z = self.slab(2, &planes[z ^ 1]);
+        let enter = near_x.max(near_y).max(near_z.max(self.t_min));
+        let leave = far_x.min(far_y).min(far_z.min(L::splat(t_max)));
         (enter.at_most(leave), enter)
+    }
+
+    /// A corner of eight triangles, seen from the origin and sheared along the ray.
+    #[inline(always)]
+    fn corner(&self, ray: &Ray, rows: &[[f32; WIDTH]; 3]) -> [L; 3] {
+        let [kx, ky, kz] = ray.axes;
+        let along = L::load(&rows[kz]).minus(self.permuted[2]);
+        let x = L::load(&rows[kx]).minus(self.permuted[0]).minus(self.shear[0].times(along));
+        let y = L::load(&rows[ky]).minus(self.permuted[1]).minus(self.shear[1].times(along));
+        [x, y, along]
     }
 
     /// Triangles of a leaf that the ray hits within `t_min ..= t_max`, as bits, and where.
     #[inline(always)]
-    fn triangles(&self, ray: &Ray, leaf: &Leaf, t_max: f32) -> (u32, L) {
-        let [kx, ky, kz] = ray.axes;
-        let corner = |k: usize| {
-            let rows = &leaf.vertices[k];
-            let along = L::load(&rows[kz]).minus(self.origin[kz]);
-            let x = L::load(&rows[kx]).minus(self.origin[kx]).minus(self.shear[0].times(along));
-            let y = L::load(&rows[ky]).minus(self.origin[ky]).minus(self.shear[1].times(along));
-            (x, y, along)
-        };
-        let (ax, ay, az) = corner(0);
-        let (bx, by, bz) = corner(1);
-        let (cx, cy, cz) = corner(2);
+    pub(super) fn triangles(&self, ray: &Ray, leaf: &Leaf, t_max: f32) -> (u32, L) {
+        let [ax, ay, az] = self.corner(ray, &leaf.vertices[0]);
+        let [bx, by, bz] = self.corner(ray, &leaf.vertices[1]);
+        let [cx, cy, cz] = self.corner(ray, &leaf.vertices[2]);
         let u = cx.times(by).minus(cy.times(bx));
         let v = ax.times(cy).minus(ay.times(cx));
         let w = bx.times(ay).minus(by.times(ax));
@@ -137,80 +94,4 @@ impl<L: Lanes> Spread<L> {
         let t = weighted.times(self.sign).over(determinant);
         (inside & self.t_min.at_most(t) & t.at_most(L::splat(t_max)), t)
     }
-}
-
-/// Something to visit: a child reference, and where the ray enters its box.
-type Visit = (u32, f32);
-
-/// The nearest triangle along a ray; of two equally near, the one of the lower index.
-#[inline(always)]
-pub(super) fn nearest<L: Lanes>(tree: &Wide, ray: &Ray) -> Option<Nearest> {
-    let spread = Spread::<L>::new(ray);
-    let mut best = Nearest { triangle: u32::MAX, t: ray.t_max };
-    let mut stack: [Visit; DEPTH_MAX * WIDTH] = [(0, 0.0); DEPTH_MAX * WIDTH];
-    let mut len = usize::from(!tree.nodes.is_empty());
-    while len > 0 {
-        len -= 1;
-        let (child, enter) = stack[len];
-        if enter > best.t {
-            continue;
-        }
-        if child & LEAF != 0 {
-            let leaf = &tree.leaves[(child & !LEAF) as usize];
-            let (mut hits, t) = spread.triangles(ray, leaf, best.t);
-            let t = t.store();
-            while hits != 0 {
-                let lane = hits.trailing_zeros() as usize;
-                hits &= hits - 1;
-                let found = Nearest { triangle: leaf.triangles[lane], t: t[lane] };
-                if found.t < best.t || (found.t == best.t && found.triangle < best.triangle) {
-                    best = found;
-                }
-            }
-            continue;
-        }
-        let node = &tree.nodes[child as usize];
-        let (mut hits, enter) = spread.boxes(ray, node, best.t);
-        let enter = enter.store();
-        let first = len;
-        while hits != 0 {
-            let lane = hits.trailing_zeros() as usize;
-            hits &= hits - 1;
-            let mut at = len;
-            while at > first && stack[at - 1].1 < enter[lane] {
-                stack[at] = stack[at - 1];
-                at -= 1;
-            }
-            stack[at] = (node.children[lane], enter[lane]);
-            len += 1;
-        }
-    }
-    (best.triangle != u32::MAX).then_some(best)
-}
-
-/// True when any triangle lies on the ray.
-#[inline(always)]
-pub(super) fn any<L: Lanes>(tree: &Wide, ray: &Ray) -> bool {
-    let spread = Spread::<L>::new(ray);
-    let mut stack = [0u32; DEPTH_MAX * WIDTH];
-    let mut len = usize::from(!tree.nodes.is_empty());
-    while len > 0 {
-        len -= 1;
-        let child = stack[len];
-        if child & LEAF != 0 {
-            let leaf = &tree.leaves[(child & !LEAF) as usize];
-            if spread.triangles(ray, leaf, ray.t_max).0 != 0 {
-                return true;
-            }
-            continue;
-        }
-        let node = &tree.nodes[child as usize];
-        let mut hits = spread.boxes(ray, node, ray.t_max).0;
-        while hits != 0 {
-            stack[len] = node.children[hits.trailing_zeros() as usize];
-            hits &= hits - 1;
-            len += 1;
-        }
-    }
-    false
 }

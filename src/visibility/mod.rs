@@ -7,10 +7,13 @@
 mod bvh;
 mod kernel;
 mod lanes;
+mod ray;
 mod shadow;
+mod simd;
 mod surface;
 mod trace;
 mod view;
+mod walk;
 mod wide;
 
 pub use bvh::Bvh;

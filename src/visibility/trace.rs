@@ -3,9 +3,8 @@
 use glam::DVec3;
 
 use super::bvh::Bvh;
-use super::kernel::{self, Ray, dominant};
-use super::lanes::Portable;
-use super::wide::BOX_MARGIN;
+use super::ray::LocalRay;
+use super::simd::Simd;
 use crate::scene::Geometry;
 
 /// What a ray meets first.
@@ -23,13 +22,14 @@ pub struct Tracer<'a> {
     geometry: Geometry<'a>,
     still: &'a Bvh,
     moving: Option<&'a Bvh>,
+    simd: Simd,
 }
 
 impl<'a> Tracer<'a> {
     /// `still` must have been built over `geometry.still`, once for the shot; `moving` over `geometry.moving`, for this
     /// frame.
     pub fn new(geometry: Geometry<'a>, still: &'a Bvh, moving: Option<&'a Bvh>) -> Self {
-        Tracer { geometry, still, moving }
+        Tracer { geometry, still, moving, simd: Simd::detect() }
     }
 
     /// The triangles.
@@ -50,11 +50,9 @@ impl<'a> Tracer<'a> {
     /// may have any length, `t_max` may be infinite. `None` also for a ray that is not finite.
     pub fn closest(&self, origin: DVec3, direction: DVec3, t_min: f64, t_max: f64) -> Option<Hit> {
         let in_tree = |bvh: &Bvh, first: usize, t_max: f64| {
-            let (ray, parameter) = local_ray(bvh, origin, direction, t_min, t_max)?;
-            let found = kernel::nearest::<Portable>(&bvh.wide, &ray)?;
-            let triangle = first as u32 + found.triangle;
-            let t = self.refine(triangle, origin, direction, parameter.to_scene(f64::from(found.t)));
-            Some(Hit { triangle, t })
+            let local = LocalRay::new(bvh, origin, direction, [t_min, t_max])?;
+            let found = self.simd.nearest(&bvh.wide, &local.ray)?;
+            Some(Hit { triangle: first as u32 + found.triangle, t: local.meet(bvh, &found) })
         };
         let still = in_tree(self.still, 0, t_max);
         let reached = still.map_or(t_max, |hit| hit.t);
@@ -68,68 +66,9 @@ impl<'a> Tracer<'a> {
     /// True when any triangle, of either orientation, lies at `t_min ≤ t ≤ t_max`. False for a ray that is not finite.
     pub fn occluded(&self, origin: DVec3, direction: DVec3, t_min: f64, t_max: f64) -> bool {
         let in_tree = |bvh: &Bvh| {
-            local_ray(bvh, origin, direction, t_min, t_max)
-                .is_some_and(|(ray, _)| kernel::any::<Portable>(&bvh.wide, &ray))
+            LocalRay::new(bvh, origin, direction, [t_min, t_max])
+                .is_some_and(|local| self.simd.any(&bvh.wide, &local.ray))
         };
         in_tree(self.still) || self.moving.is_some_and(in_tree)
     }
-
-    /// Where the ray meets the triangle's plane, in f64, kept within what the triangle spans along the ray's dominant
-    /// axis: seen edge-on the plane is met anywhere.
-    fn refine(&self, triangle: u32, origin: DVec3, direction: DVec3, t: f64) -> f64 {
-        let corners = self.geometry.triangle_f64(triangle).map(|v| v - origin);
-        let [a, b, c] = corners;
-        let normal = (b - a).cross(c - a);
-        let exact = normal.dot(a) / normal.dot(direction);
-        if !exact.is_finite() {
-            return t;
-        }
-        let axis = dominant(direction);
-        let along = corners.map(|v| v[axis] / direction[axis]);
-        let low = along.into_iter().fold(f64::INFINITY, f64::min);
-        let high = along.into_iter().fold(f64::NEG_INFINITY, f64::max);
-        exact.max(low).min(high)
-    }
-}
-
-/// Takes the kernel's parameter back to the caller's: `t = start + local × step`.
-#[derive(Clone, Copy)]
-struct Parameter {
-    start: f64,
-    step: f64,
-}
-
-impl Parameter {
-    fn to_scene(self, local: f64) -> f64 {
-        self.start + local * self.step
-    }
-}
-
-/// The ray in a tree's stored coordinates. An origin outside the tree's bounds is moved up to them in f64, so that f32
-/// holds it to the bounds' own precision however far away it starts. `None` when the ray passes the bounds by, or is not
-/// finite.
-fn local_ray(bvh: &Bvh, origin: DVec3, direction: DVec3, t_min: f64, t_max: f64) -> Option<(Ray, Parameter)> {
-    let [low, high] = bvh.bounds()?;
-    let length = direction.abs().max_element();
-    if !(origin.is_finite() && length.is_finite() && length > 0.0 && t_min <= t_max) {
-        return None;
-    }
-    let inside = origin.cmpge(low).all() && origin.cmple(high).all();
-    let start = if inside { 0.0 } else { entry(bvh, origin, direction, t_min, t_max)? };
-    let scale = bvh.scale * length;
-    let local_origin = (origin + direction * start) * bvh.scale;
-    let ray = Ray::new(local_origin, direction / length, (t_min - start) * scale, (t_max - start) * scale);
-    Some((ray, Parameter { start, step: 1.0 / scale }))
-}
-
-/// Where the ray enters the tree's bounds, grown as its boxes are; `None` when that is not within `t_min ..= t_max`.
-fn entry(bvh: &Bvh, origin: DVec3, direction: DVec3, t_min: f64, t_max: f64) -> Option<f64> {
-    let [low, high] = bvh.bounds()?;
-    let margin = DVec3::splat(f64::from(BOX_MARGIN) / bvh.scale);
-    // A component of zero gives ±∞, or NaN on the very plane, which max and min pass over.
-    let a = (low - margin - origin) / direction;
-    let b = (high + margin - origin) / direction;
-    let enter = (0..3).fold(f64::NEG_INFINITY, |t, axis| t.max(a[axis].min(b[axis])));
-    let leave = (0..3).fold(f64::INFINITY, |t, axis| t.min(a[axis].max(b[axis])));
-    (enter.max(t_min) <= leave.min(t_max) && enter.is_finite()).then_some(enter)
 }

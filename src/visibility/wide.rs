@@ -7,6 +7,7 @@
 use glam::Vec3;
 use obvhs::bvh2::Bvh2;
 
+use super::walk::Nearest;
 use crate::scene::Triangle;
 
 /// Children of a node, and triangles of a leaf.
@@ -95,6 +96,15 @@ impl Wide {
             }
         }
         wide
+    }
+}
+
+impl Wide {
+    /// The corners of a triangle found, stored coordinates.
+    pub(super) fn corners(&self, found: &Nearest) -> [Vec3; 3] {
+        let leaf = &self.leaves[found.leaf as usize];
+        let lane = found.lane as usize % WIDTH;
+        leaf.vertices.map(|[x, y, z]| Vec3::new(x[lane], y[lane], z[lane]))
     }
 }
 

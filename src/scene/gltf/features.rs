@@ -10,7 +10,8 @@ use std::collections::BTreeSet;
 /// Extensions whose data are read.
 const SUPPORTED: [&str; 2] = ["KHR_lights_punctual", "KHR_mesh_quantization"];
 
-/// Extensions that change materials or metadata but no triangle, exactly or by prefix; they may even be required.
+/// Extensions that may even be required: those of materials and metadata, which change no triangle, named exactly or by
+/// prefix; and two that are judged where they are used.
 const HARMLESS: [&str; 10] = [
     "KHR_materials_",
     "KHR_texture_",
@@ -43,13 +44,15 @@ pub(super) struct Findings {
     /// Remarks.
     pub notes: Vec<String>,
     seen: BTreeSet<&'static str>,
+    /// Names of materials with another alphaMode than OPAQUE.
+    not_opaque: BTreeSet<String>,
 }
 
 impl Findings {
     /// Records a feature where it is first needed.
     fn refuse(&mut self, (feature, remedy): (&'static str, &str), place: &str) {
         if self.seen.insert(feature) {
-            self.refused.push(format!("{feature} ({place}); {remedy}"));
+            self.refused.push(format!("{feature} at {place} ({remedy})"));
         }
     }
 }
@@ -75,6 +78,10 @@ pub(super) fn examine(document: &Document, nodes: &[usize]) -> Findings {
             findings.refuse(MESHOPT, &format!("bufferView {index}"));
         }
     }
+    if !findings.not_opaque.is_empty() {
+        let names: Vec<&str> = findings.not_opaque.iter().map(String::as_str).collect();
+        findings.notes.push(format!("alphaMode MASK or BLEND taken as opaque: {}", names.join(", ")));
+    }
     findings
 }
 
@@ -85,9 +92,9 @@ fn extensions(document: &Document, findings: &mut Findings) {
     for required in &document.extensions_required {
         let name = required.as_str();
         match [DRACO, MESHOPT, INSTANCING].into_iter().find(|feature| feature.0 == name) {
-            Some(feature) => findings.refuse(feature, "in extensionsRequired"),
+            Some(feature) => findings.refuse(feature, "extensionsRequired"),
             None if SUPPORTED.contains(&name) || harmless(name) => {}
-            None => findings.refused.push(format!("{name} (in extensionsRequired); export without this extension")),
+            None => findings.refused.push(format!("{name} at extensionsRequired (export without it)")),
         }
     }
     let ignored: BTreeSet<&str> =
@@ -127,13 +134,9 @@ fn primitive_features(document: &Document, primitive: &Primitive, at: &str, find
         findings.refuse(DRACO, at);
     }
     let Some(material) = primitive.material else { return };
-    if let Some(mode) = document.materials.get(material).and_then(|m| m.alpha_mode.as_deref())
-        && mode != "OPAQUE"
+    if let Some(found) = document.materials.get(material)
+        && found.alpha_mode.as_deref().is_some_and(|mode| mode != "OPAQUE")
     {
-        let name = document.materials.get(material).and_then(|m| m.name.as_deref());
-        let note = format!("{}: alphaMode {mode} taken as opaque", place("material", material, name));
-        if !findings.notes.contains(&note) {
-            findings.notes.push(note);
-        }
+        findings.not_opaque.insert(place("material", material, found.name.as_deref()));
     }
 }

@@ -55,9 +55,12 @@ fn describe(shot: &Shot) -> String {
         }
     }
     let frame = shot.scene.frame(shot.frames[0].time_s).unwrap();
+    let cross = |[a, b, c]: [glam::DVec3; 3]| (b - a).cross(c - a).length() * 0.5;
+    let all = shot.scene.still.iter().chain(&frame.moving);
+    let area: f64 = all.map(|triangle| cross(triangle.map(|v| v.as_dvec3()))).sum();
     let lights: Vec<&str> = frame.lights.iter().map(|light| light.name.as_str()).collect();
     format!(
-        "{} still + {moving} moving triangles, {} frames, {:?}, camera {:?}, lights {lights:?}, origin {}, {:?}",
+        "{} still + {moving} moving triangles ({area:.6e} m²), {} frames, {:?}, camera {:?}, lights {lights:?}, origin {}, {:?}",
         shot.scene.still.len(),
         shot.frames.len(),
         shot.film,

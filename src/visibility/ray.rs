@@ -1,0 +1,124 @@
+//! Rays in the coordinates of a tree: f64 in, f32 for the kernel, and f64 again where the triangle found is met.
+
+use glam::{DVec3, Vec4};
+
+use super::bvh::Bvh;
+use super::walk::Nearest;
+use super::wide::BOX_MARGIN;
+
+/// The smallest slope of a ray against the planes of boxes, so that its inverse is finite. A ray would have to be 2⁶⁰
+/// scene sizes long for it to matter.
+const SLOPE_MIN: f32 = 1.0 / (1u64 << 60) as f32;
+
+/// A ray as the kernel wants it, in the unit cube of the tree's stored coordinates. Its direction has ±1 on its dominant
+/// axis, so its parameter is the distance along that axis.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ray {
+    pub(super) origin: [f32; 3],
+    /// 1 / direction.
+    pub(super) inverse: [f32; 3],
+    /// By axis: the row of a node's nearer plane; the farther one is `row ^ 1`.
+    pub(super) near_row: [usize; 3],
+    /// The two shear axes and the dominant one.
+    pub(super) axes: [usize; 3],
+    /// Direction along the shear axes over the dominant one.
+    pub(super) shear: [f32; 2],
+    /// ±1: the direction along the dominant axis.
+    pub(super) sign: f32,
+    pub(super) t_min: f32,
+    pub(super) t_max: f32,
+}
+
+impl Ray {
+    #[inline(always)]
+    fn new(origin: DVec3, direction: DVec3, axes: [usize; 3], [t_min, t_max]: [f64; 2]) -> Ray {
+        let slope = direction.as_vec3().extend(1.0);
+        let smallest = Vec4::splat(SLOPE_MIN).copysign(slope);
+        let inverse = Vec4::select(slope.abs().cmplt(Vec4::splat(SLOPE_MIN)), smallest, slope).recip();
+        let negative = inverse.is_negative_bitmask() as usize;
+        let [kx, ky, kz] = axes;
+        Ray {
+            origin: origin.as_vec3().to_array(),
+            inverse: [inverse.x, inverse.y, inverse.z],
+            near_row: [negative & 1, 2 + (negative >> 1 & 1), 4 + (negative >> 2 & 1)],
+            axes,
+            shear: [slope[kx] * slope[kz], slope[ky] * slope[kz]],
+            sign: slope[kz],
+            t_min: t_min as f32,
+            t_max: t_max as f32,
+        }
+    }
+}
+
+/// A caller's ray brought to a tree: `t = start + local × step`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LocalRay {
+    pub(super) ray: Ray,
+    /// What `ray` is rounded from.
+    origin: DVec3,
+    direction: DVec3,
+    start: f64,
+    step: f64,
+}
+
+impl LocalRay {
+    /// An origin outside the tree's bounds is moved up to them in f64, so that f32 holds it to the bounds' own precision
+    /// however far away it starts. `None` when the ray passes the bounds by, or is not finite.
+    #[inline(always)]
+    pub(super) fn new(bvh: &Bvh, origin: DVec3, direction: DVec3, [t_min, t_max]: [f64; 2]) -> Option<LocalRay> {
+        let [low, high] = bvh.bounds()?;
+        let axes = axes(direction);
+        let length = direction[axes[2]].abs();
+        if !(origin.is_finite() && direction.is_finite() && length >= f64::MIN_POSITIVE && t_min <= t_max) {
+            return None;
+        }
+        let inside = origin.cmpge(low).all() && origin.cmple(high).all();
+        let start = if inside { 0.0 } else { entry(bvh, origin, direction, [t_min, t_max])? };
+        let mut unit = direction / length;
+        unit[axes[2]] = 1f64.copysign(direction[axes[2]]);
+        let local_origin = (origin + direction * start) * bvh.scale();
+        let scale = length * bvh.scale();
+        let range = [(t_min - start) * scale, (t_max - start) * scale];
+        let ray = Ray::new(local_origin, unit, axes, range);
+        Some(LocalRay { ray, origin: local_origin, direction: unit, start, step: 1.0 / scale })
+    }
+
+    /// The caller's parameter where the ray meets the plane of the triangle found, in f64; kept within what the triangle
+    /// spans along the ray's dominant axis, because seen edge-on its plane is met anywhere.
+    pub(super) fn meet(&self, bvh: &Bvh, found: &Nearest) -> f64 {
+        let [a, b, c] = bvh.wide.corners(found).map(|v| v.as_dvec3() - self.origin);
+        let normal = (b - a).cross(c - a);
+        let axis = self.ray.axes[2];
+        let sign = self.direction[axis];
+        let (low, high) = (a.min(b).min(c)[axis] * sign, a.max(b).max(c)[axis] * sign);
+        let plane = normal.dot(a) / normal.dot(self.direction);
+        let local = if plane.is_finite() { plane.max(low.min(high)).min(low.max(high)) } else { f64::from(found.t) };
+        self.start + local * self.step
+    }
+}
+
+/// Where the ray enters the tree's bounds, grown as its boxes are; `None` when that is not within `t_min ..= t_max`.
+#[cold]
+fn entry(bvh: &Bvh, origin: DVec3, direction: DVec3, [t_min, t_max]: [f64; 2]) -> Option<f64> {
+    let [low, high] = bvh.bounds()?;
+    let margin = DVec3::splat(f64::from(BOX_MARGIN) / bvh.scale());
+    // A component of zero gives ±∞, or NaN on the very plane, which max and min pass over.
+    let a = (low - margin - origin) / direction;
+    let b = (high + margin - origin) / direction;
+    let enter = (0..3).fold(f64::NEG_INFINITY, |t, axis| t.max(a[axis].min(b[axis])));
+    let leave = (0..3).fold(f64::INFINITY, |t, axis| t.min(a[axis].max(b[axis])));
+    (enter.max(t_min) <= leave.min(t_max) && enter.is_finite()).then_some(enter)
+}
+
+/// The two lesser axes of a direction in cyclic order, and the dominant one.
+#[inline(always)]
+fn axes(direction: DVec3) -> [usize; 3] {
+    let size = direction.abs();
+    if size.x >= size.y && size.x >= size.z {
+        [1, 2, 0]
+    } else if size.y >= size.z {
+        [2, 0, 1]
+    } else {
+        [0, 1, 2]
+    }
+}

@@ -1,0 +1,8 @@
+//! The scene room through its public interface.
+#![expect(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
+
+mod corpus;
+mod fixture;
+mod gltf;
+mod hostile;
+mod shot;
