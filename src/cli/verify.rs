@@ -74,7 +74,8 @@ fn table(found: &Verification) -> String {
             if light.passed { "holds" } else { "BROKEN" },
         ]);
     }
-    let broken = found.lights.iter().filter_map(|l| Some((format!("frame {}, {}", l.frame, l.light), l.reason.as_ref()?)));
+    let broken =
+        found.lights.iter().filter_map(|l| Some((format!("frame {}, {}", l.frame, l.light), l.reason.as_ref()?)));
     let files = found.inputs.iter().filter_map(|i| Some((i.path.clone(), i.reason.as_ref()?)));
     for (what, reason) in files.chain(broken) {
         text += &format!("{what}: {reason}\n");

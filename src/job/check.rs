@@ -124,7 +124,11 @@ fn light(key: &str, params: &LightParams) -> Result<(), Problem> {
     if let Some(range) = params.range {
         let at = format!("{key}.range");
         if !matches!(params.kind, Some(Point | Spot)) {
-            return Err(problem(at, format!("only point and spot lights have a range, `{name}` is neither"), "remove it"));
+            return Err(problem(
+                at,
+                format!("only point and spot lights have a range, `{name}` is neither"),
+                "remove it",
+            ));
         }
         require(range > 0.0 && range.is_finite(), &at, range, "a finite number of metres above 0")?;
     }

@@ -46,25 +46,29 @@ pub fn load(input: &Path, overrides: &Table) -> Result<LoadedJob, JobError> {
         return Err(JobError::Kind { path: input.to_owned() });
     }
     let text = read_text(input)?;
-    let alone: Job = toml::from_str(&text).map_err(|e| locate::parse_error(input, &text, &e))?;
-    check(&alone).map_err(|problem| locate::problem(input, &text, problem))?;
-    let own: Table = toml::from_str(&text).map_err(|e| locate::parse_error(input, &text, &e))?;
+    let parse_error = |e: toml::de::Error| locate::parse_error(input, &text, &e);
+    let own: Table = toml::from_str(&text).map_err(parse_error)?;
+    // Read from the text for errors that know their place, and from the table for what that lets pass: surplus elements
+    // of a list of fixed length.
+    toml::from_str::<Job>(&text).map_err(parse_error)?;
+    let refused = |problem: Problem| locate::problem(input, &text, problem);
+    let alone = Job::deserialize(own.clone()).map_err(|e| refused(locate::table_problem(&e)))?;
+    check(&alone).map_err(refused)?;
     Ok(LoadedJob { job: resolve(&own, overrides)?, file: Some(input.to_owned()), dir })
 }
 
 /// Lays preset, file and overrides over each other. The file is known to be right by itself.
 fn resolve(own: &Table, overrides: &Table) -> Result<Job, JobError> {
-    let fault = |key: &str, message: String| {
-        JobError::Override(Problem { key: key.to_owned(), message, help: "correct the value".to_owned() })
-    };
+    let fault = |e: toml::de::Error| JobError::Override(locate::table_problem(&e));
     let preset = match overrides.get("preset").or_else(|| own.get("preset")) {
-        Some(name) => Preset::deserialize(name.clone()).map_err(|e| fault("preset", e.message().to_owned()))?,
+        Some(name) => Preset::deserialize(name.clone())
+            .map_err(|e| JobError::Override(Problem { key: "preset".to_owned(), ..locate::table_problem(&e) }))?,
         None => Preset::default(),
     };
-    let mut table: Table = toml::from_str(preset.text()).map_err(|e| fault("preset", e.message().to_owned()))?;
+    let mut table: Table = toml::from_str(preset.text()).map_err(fault)?;
     lay_over(&mut table, own);
     lay_over(&mut table, overrides);
-    let mut job = Job::deserialize(table).map_err(|e| fault("command line", e.to_string()))?;
+    let mut job = Job::deserialize(table).map_err(fault)?;
     check(&job).map_err(JobError::Override)?;
     job.quality.epsilon = Some(job.quality.epsilon());
     Ok(job)
@@ -84,6 +88,12 @@ fn read_text(path: &Path) -> Result<String, JobError> {
     String::from_utf8(bytes).map_err(|e| {
         let at = e.utf8_error().valid_up_to();
         let text = String::from_utf8_lossy(e.as_bytes()).into_owned();
-        locate::located(path, &text, at..at + 1, "this is not UTF-8".to_owned(), Some("save the file as UTF-8".to_owned()))
+        locate::located(
+            path,
+            &text,
+            at..at + 1,
+            "this is not UTF-8".to_owned(),
+            Some("save the file as UTF-8".to_owned()),
+        )
     })
 }

@@ -14,6 +14,15 @@ pub(super) fn parse_error(path: &Path, text: &str, error: &toml::de::Error) -> J
     located(path, text, error.span().unwrap_or(0..0), message, help)
 }
 
+/// The fault of a table, whose errors know keys but no places. toml writes the key behind the message only.
+pub(super) fn table_problem(error: &toml::de::Error) -> Problem {
+    let text = error.to_string();
+    let key = text.rsplit_once("in `").and_then(|(_, key)| key.split('`').next()).unwrap_or_default();
+    let (message, help) = explain(error.message());
+    let help = help.unwrap_or_else(|| "correct the value".to_owned());
+    Problem { key: key.to_owned(), message, help }
+}
+
 /// A refused value, shown where the file states it, or where its nearest enclosing table begins.
 pub(super) fn problem(path: &Path, text: &str, problem: Problem) -> JobError {
     let span = span_of(text, &problem.key).unwrap_or(0..0);
@@ -68,15 +77,17 @@ fn plain_types(message: &str) -> String {
         ("expected f64", "expected a number"),
         ("expected a boolean", "expected true or false"),
         ("expected path string", "expected a file name"),
+        ("expected a sequence", "expected a list"),
+        ("expected fewer elements in array", "expected fewer elements"),
     ];
     let mut text = message.to_owned();
     for (name, word) in words {
         if let Some(start) = text.strip_suffix(name) {
             text = format!("{start}{word}");
         }
-        if text.contains("expected struct ") {
-            text = format!("{}expected a table", text.split("expected struct ").next().unwrap_or_default());
-        }
+    }
+    if let Some((start, _)) = text.split_once("expected struct ") {
+        text = format!("{start}expected a table");
     }
     text
 }

@@ -31,6 +31,7 @@ pub use load::{LoadedJob, load};
 /// A job file, as written by a user or as resolved from all layers.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
+#[schemars(extend("required" = ["scene"]))]
 pub struct Job {
     /// One or several scene files (.gltf, .glb, .obj), relative to the job file.
     #[serde(deserialize_with = "one_or_many")]

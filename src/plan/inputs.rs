@@ -42,10 +42,7 @@ pub fn sha256_hex(path: &Path) -> Result<String, PlanError> {
 /// # Errors
 /// [`PlanError::Read`] for the first file that cannot be read.
 pub fn hash_inputs(paths: &[PathBuf], plan_dir: &Path) -> Result<Vec<Input>, PlanError> {
-    paths
-        .iter()
-        .map(|path| Ok(Input { path: relative_path(path, plan_dir), sha256: sha256_hex(path)? }))
-        .collect()
+    paths.iter().map(|path| Ok(Input { path: relative_path(path, plan_dir), sha256: sha256_hex(path)? })).collect()
 }
 
 /// A file as seen from a folder, with `/` between the parts. Links are resolved where the paths exist, so that `..`

@@ -11,8 +11,7 @@ use super::{Format, Plan, PlanError, SCHEMA};
 /// # Errors
 /// [`PlanError::Read`], [`PlanError::Parse`], [`PlanError::Schema`].
 pub fn read(path: &Path) -> Result<Plan, PlanError> {
-    let text =
-        std::fs::read_to_string(path).map_err(|source| PlanError::Read { path: path.to_owned(), source })?;
+    let text = std::fs::read_to_string(path).map_err(|source| PlanError::Read { path: path.to_owned(), source })?;
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
     let format = match extension.as_str() {
         "json" => Format::Json,

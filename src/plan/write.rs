@@ -46,9 +46,7 @@ pub fn to_text(plan: &Plan, format: Format) -> Result<String, PlanError> {
             bytes.push(b'\n');
             String::from_utf8(bytes).map_err(|e| failed(e.to_string()))
         }
-        Format::Toml => {
-            toml::to_string(plan).map_err(|e| PlanError::Encode { format: "TOML", message: e.to_string() })
-        }
+        Format::Toml => toml::to_string(plan).map_err(|e| PlanError::Encode { format: "TOML", message: e.to_string() }),
     }
 }
 

@@ -1,80 +1,60 @@
 //! `[camera]`: one way of saying where the camera is, and values that make a camera.
+//!
+//! A key of `[camera]` holds wherever no `[[camera.key]]` states the same; a keyframe may state any of them.
 
 use super::{Problem, finite, nonzero, problem, require};
-use crate::scene::CameraParams;
-
-/// The part of a camera that a pose and a keyframe share.
-struct Pose<'a> {
-    key: &'a str,
-    position: Option<[f64; 3]>,
-    look_at: Option<[f64; 3]>,
-    rotation: Option<[f64; 4]>,
-    fov: Option<f64>,
-    near: Option<f64>,
-    far: Option<f64>,
-}
+use crate::scene::{CameraKey, CameraParams};
 
 pub(super) fn check(camera: &CameraParams) -> Result<(), Problem> {
-    let posed = camera.position.is_some() || camera.look_at.is_some() || camera.rotation.is_some();
+    one_way(camera)?;
+    if camera.name.as_deref() == Some("") {
+        return Err(problem("camera.name", "the name is empty", "name a camera of the scene's files"));
+    }
+    let CameraParams { position, look_at, rotation, fov, near, far, .. } = *camera;
+    values("camera", &CameraKey { frame: 0.0, position, look_at, rotation, fov, near, far })?;
+    for (i, key) in camera.key.iter().enumerate() {
+        let at = format!("camera.key[{i}]");
+        finite(&format!("{at}.frame"), &[key.frame])?;
+        if camera.key[..i].iter().any(|k| k.frame == key.frame) {
+            let message = format!("frame {} has a key already", key.frame);
+            return Err(problem(format!("{at}.frame"), message, "keep one of the two"));
+        }
+        values(&at, key)?;
+    }
+    Ok(())
+}
+
+/// A name, a view of everything, or a pose: and a pose has a position and one way of looking.
+fn one_way(camera: &CameraParams) -> Result<(), Problem> {
+    let stated = |own: bool, in_key: &dyn Fn(&CameraKey) -> bool| own || camera.key.iter().any(in_key);
+    let position = stated(camera.position.is_some(), &|k| k.position.is_some());
+    let look_at = stated(camera.look_at.is_some(), &|k| k.look_at.is_some());
+    let rotation = stated(camera.rotation.is_some(), &|k| k.rotation.is_some());
+    let posed = position || look_at || rotation || !camera.key.is_empty();
     let ways = [
         ("name", camera.name.is_some()),
         ("frame_all", camera.frame_all),
-        ("position", posed),
-        ("key", !camera.key.is_empty()),
+        (if camera.key.is_empty() { "position" } else { "key" }, posed),
     ];
     let mut given = ways.iter().filter(|w| w.1).map(|w| w.0);
     if let (Some(first), Some(second)) = (given.next(), given.next()) {
         let message = format!("`{first}` and `{second}` both say where the camera is");
         return Err(problem(format!("camera.{second}"), message, "keep one of them"));
     }
-    if camera.name.as_deref() == Some("") {
-        return Err(problem("camera.name", "the name is empty", "name a camera of the scene's files"));
+    if !posed {
+        return Ok(());
     }
-    let CameraParams { position, look_at, rotation, fov, near, far, .. } = *camera;
-    if posed {
-        placed("camera", position.is_some(), look_at.is_some(), rotation.is_some())?;
-    }
-    pose(&Pose { key: "camera", position, look_at, rotation, fov, near, far })?;
-    keys(camera)
-}
-
-fn keys(camera: &CameraParams) -> Result<(), Problem> {
-    let mut last = f64::NEG_INFINITY;
-    for (i, k) in camera.key.iter().enumerate() {
-        let key = format!("camera.key[{i}]");
-        finite(&format!("{key}.frame"), &[k.frame])?;
-        if k.frame <= last {
-            let message = format!("frame {} does not come after frame {last} of the key before", k.frame);
-            return Err(problem(format!("{key}.frame"), message, "write the keys in the order of their frames"));
-        }
-        last = k.frame;
-        placed(&key, k.position.is_some(), k.look_at.is_some(), k.rotation.is_some())?;
-        pose(&Pose {
-            key: &key,
-            position: k.position,
-            look_at: k.look_at,
-            rotation: k.rotation,
-            fov: k.fov,
-            near: k.near,
-            far: k.far,
-        })?;
-    }
-    Ok(())
-}
-
-/// A pose has a position and one way of looking.
-fn placed(key: &str, position: bool, look_at: bool, rotation: bool) -> Result<(), Problem> {
     if !position {
-        return Err(problem(format!("{key}.position"), "the camera has no position", "add `position = [x, y, z]`"));
+        return Err(problem("camera.position", "the camera has no position", "add `position = [x, y, z]`"));
     }
     match (look_at, rotation) {
         (true, true) => Err(problem(
-            format!("{key}.rotation"),
+            "camera.rotation",
             "`look_at` and `rotation` both say where the camera looks",
-            "keep one of them",
+            "keep one of them, for all keys",
         )),
         (false, false) => Err(problem(
-            format!("{key}.look_at"),
+            "camera.look_at",
             "nothing says where the camera looks",
             "add `look_at = [x, y, z]` or `rotation = [x, y, z, w]`",
         )),
@@ -82,8 +62,9 @@ fn placed(key: &str, position: bool, look_at: bool, rotation: bool) -> Result<()
     }
 }
 
-fn pose(pose: &Pose) -> Result<(), Problem> {
-    let key = |name: &str| format!("{}.{name}", pose.key);
+/// The ranges of values, wherever they stand.
+fn values(at: &str, pose: &CameraKey) -> Result<(), Problem> {
+    let key = |name: &str| format!("{at}.{name}");
     if let Some(position) = pose.position {
         finite(&key("position"), &position)?;
     }
@@ -104,12 +85,8 @@ fn pose(pose: &Pose) -> Result<(), Problem> {
     }
     if let Some(far) = pose.far {
         let near = pose.near.unwrap_or(0.0);
-        require(
-            far > near && far.is_finite(),
-            &key("far"),
-            far,
-            &format!("a finite number of metres above near = {near}; leave it away for none"),
-        )?;
+        let allowed = format!("a finite number of metres above near = {near}; without the key there is no far plane");
+        require(far > near && far.is_finite(), &key("far"), far, &allowed)?;
     }
     Ok(())
 }
