@@ -176,6 +176,26 @@ fn clipped_meshes_do_not_crack() {
 }
 
 #[test]
+fn a_clipped_triangle_keeps_the_slope_of_its_plane() {
+    // y = -1 around the light: window depth is 0.5 + 0.5 (f + n + 2 f n ndc_y) / (f - n), affine in the row.
+    let ground = [vertex(-500.0, -1.0, 800.0), vertex(-700.0, -1.0, -900.0), vertex(1000.0, -1.0, -100.0)];
+    let (near, far, size, slope) = (0.5, 20.0, 64, 3.0);
+    let bias = Bias { constant: 0.0, slope, clamp: f64::INFINITY };
+    let map = draw(still(&[ground]), &clip_perspective(near, far), size, size, bias).unwrap();
+    let per_row = far * near / (far - near) * 2.0 / f64::from(size);
+    // From row 27 on, depth and bias add up to more than 1.
+    for row in 0..27 {
+        let ndc_y = (f64::from(row) + 0.5) / f64::from(size) * 2.0 - 1.0;
+        let window = 0.5 + 0.5 * (far + near + 2.0 * far * near * ndc_y) / (far - near);
+        let got = f64::from(map.depth[(row * size + 30) as usize]);
+        assert!(
+            (got - (window + slope * per_row)).abs() < 1e-6,
+            "row {row}: {got} for {window} and {slope} * {per_row}"
+        );
+    }
+}
+
+#[test]
 fn nothing_nearer_than_the_near_plane_is_drawn() {
     let wall = |z: f64| [vertex(-9.0, -9.0, z), vertex(9.0, -9.0, z), vertex(0.0, 9.0, z)];
     let clip = clip_perspective(1.0, 10.0);

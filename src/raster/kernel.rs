@@ -1,7 +1,8 @@
 //! The two hot loops, compiled twice: for any machine, and for AVX2 where the machine has it.
 //!
 //! Both are the same Rust, which never fuses a product with a sum, so both give the same bytes; AVX2 only runs more
-//! lanes at once. Measured gain: see `benches/README.md`.
+//! lanes at once. A million triangles were drawn 1.5 times as fast for it at 1024², 1.4 times at 4096² (two threads,
+//! `benches/raster.rs`).
 
 use super::bins::{self, Bins};
 use super::fill::{self, Band};
@@ -57,7 +58,7 @@ fn fill_band_here(view: &View, band: usize, depth: &mut [f32], chunks: &[Bins]) 
     }
 }
 
-#[cfg(test)]
+#[cfg(all(test, target_arch = "x86_64"))]
 mod tests {
     use super::*;
     use crate::raster::{Bias, FAR};
@@ -81,7 +82,6 @@ mod tests {
     }
 
     #[test]
-    #[cfg(target_arch = "x86_64")]
     fn avx2_gives_the_same_bytes() {
         if !is_x86_feature_detected!("avx2") {
             return;

@@ -126,8 +126,8 @@ pub fn draw(
     Ok(canvas.map)
 }
 
-/// A map, and the memory it took to draw it, for drawing many maps one after the other: fresh memory costs a quarter of
-/// the time of a draw.
+/// A map, and the memory it took to draw it, for drawing many maps one after the other: the system hands out fresh memory
+/// about as slowly as triangles are drawn to it.
 #[derive(Debug, Default)]
 pub struct Canvas {
     /// What was drawn last; 0 x 0 at first.
