@@ -1,7 +1,7 @@
 //! Rules of rasterisation, against a plain reading of them and against ray casting.
 
 use glam::{DMat4, DVec3, DVec4, Vec3};
-use lixel::raster::{Bias, DepthMap, FAR, RasterError, draw, draw_into};
+use lixel::raster::{Bias, Canvas, DepthMap, FAR, RasterError, draw};
 use lixel::scene::{Geometry, Triangle};
 
 /// A linear congruential generator: tests must not change with a crate.
@@ -23,6 +23,7 @@ fn still(triangles: &[Triangle]) -> Geometry<'_> {
     Geometry { still: triangles, moving: &[] }
 }
 
+#[expect(clippy::unwrap_used, reason = "a map that cannot be drawn fails the test")]
 fn drawn(triangles: &[Triangle], clip_from_scene: &DMat4, width: u32, height: u32) -> DepthMap {
     draw(still(triangles), clip_from_scene, width, height, Bias::NONE).unwrap()
 }
@@ -175,6 +176,26 @@ fn clipped_meshes_do_not_crack() {
 }
 
 #[test]
+fn a_clipped_triangle_keeps_the_slope_of_its_plane() {
+    // y = -1 around the light: window depth is 0.5 + 0.5 (f + n + 2 f n ndc_y) / (f - n), affine in the row.
+    let ground = [vertex(-500.0, -1.0, 800.0), vertex(-700.0, -1.0, -900.0), vertex(1000.0, -1.0, -100.0)];
+    let (near, far, size, slope) = (0.5, 20.0, 64, 3.0);
+    let bias = Bias { constant: 0.0, slope, clamp: f64::INFINITY };
+    let map = draw(still(&[ground]), &clip_perspective(near, far), size, size, bias).unwrap();
+    let per_row = far * near / (far - near) * 2.0 / f64::from(size);
+    // From row 27 on, depth and bias add up to more than 1.
+    for row in 0..27 {
+        let ndc_y = (f64::from(row) + 0.5) / f64::from(size) * 2.0 - 1.0;
+        let window = 0.5 + 0.5 * (far + near + 2.0 * far * near * ndc_y) / (far - near);
+        let got = f64::from(map.depth[(row * size + 30) as usize]);
+        assert!(
+            (got - (window + slope * per_row)).abs() < 1e-6,
+            "row {row}: {got} for {window} and {slope} * {per_row}"
+        );
+    }
+}
+
+#[test]
 fn nothing_nearer_than_the_near_plane_is_drawn() {
     let wall = |z: f64| [vertex(-9.0, -9.0, z), vertex(9.0, -9.0, z), vertex(0.0, 9.0, z)];
     let clip = clip_perspective(1.0, 10.0);
@@ -253,16 +274,31 @@ fn only_kept_triangles_are_drawn_and_counted() {
     let (still, moving) = triangles.split_at(700);
     let clip = clip_from_texels(64, 64);
     let odd = |i: u32| i % 2 == 1;
-    let mut map = DepthMap::cleared(64, 64).unwrap();
-    let counts = draw_into(&mut map, Geometry { still, moving }, &clip, Bias::NONE, odd).unwrap();
+    let mut canvas = Canvas::default();
+    let counts = canvas.draw(Geometry { still, moving }, &clip, 64, 64, Bias::NONE, odd).unwrap();
     let odd_only: Vec<Triangle> = triangles.iter().skip(1).step_by(2).copied().collect();
-    assert_eq!(map, drawn(&odd_only, &clip, 64, 64));
+    assert_eq!(canvas.map, drawn(&odd_only, &clip, 64, 64));
     assert_eq!(counts.kept, 900);
     assert!(counts.drawn > 800 && counts.drawn <= 900, "{counts:?}");
-    // The memory is cleared when it is used again.
-    let none = draw_into(&mut map, Geometry { still, moving }, &clip, Bias::NONE, |_| false).unwrap();
-    assert_eq!((none.kept, none.drawn), (0, 0));
-    assert!(map.depth.iter().all(|&d| d == FAR));
+}
+
+#[test]
+fn a_canvas_forgets_what_it_drew() {
+    let triangles = jittered_grid(&mut Random(7), 40, -5.0, 90.0, |x, y| 0.3 + x / 400.0 + y / 900.0);
+    let mut canvas = Canvas::default();
+    for (width, height) in [(80, 60), (31, 77), (200, 100), (80, 60)] {
+        let clip = clip_from_texels(width, height);
+        canvas.draw(still(&triangles), &clip, width, height, Bias::NONE, |_| true).unwrap();
+        assert_eq!(canvas.map, drawn(&triangles, &clip, width, height));
+    }
+    let before = canvas.map.clone();
+    assert!(canvas.draw(still(&triangles), &DMat4::IDENTITY, 0, 9, Bias::NONE, |_| true).is_err());
+    assert_eq!(canvas.map, before);
+    for geometry in [still(&triangles), still(&[])] {
+        let counts = canvas.draw(geometry, &DMat4::IDENTITY, 80, 60, Bias::NONE, |_| false).unwrap();
+        assert_eq!((counts.kept, counts.drawn), (0, 0));
+        assert!(canvas.map.depth.iter().all(|&d| d == FAR));
+    }
 }
 
 #[test]

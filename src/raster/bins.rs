@@ -12,7 +12,7 @@ const LANES: usize = 64;
 const BANDS_LISTED_MAX: u32 = 16;
 
 /// A chunk's set-up triangles by band.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Bins {
     /// Triangles ready to be filled.
     pub(super) setups: Vec<Setup>,
@@ -36,10 +36,17 @@ impl Bins {
     }
 }
 
-/// Transforms, clips and sets up the triangles whose index (from `first`) is kept, and lists them by band.
+/// Transforms, clips and sets up the triangles whose index (from `first`) is kept, and lists them by band in `bins`.
 #[inline(always)]
-pub(super) fn set_up_chunk(view: &View, first: u32, triangles: &[Triangle], keep: &impl Fn(u32) -> bool) -> Bins {
-    let mut setups: Vec<Setup> = Vec::with_capacity(triangles.len());
+pub(super) fn set_up_chunk(
+    view: &View,
+    first: u32,
+    triangles: &[Triangle],
+    keep: &impl Fn(u32) -> bool,
+    bins: &mut Bins,
+) {
+    bins.setups.clear();
+    bins.setups.reserve(triangles.len());
     let (mut kept, mut drawn) = (0, 0);
     let mut lanes = Lanes::<LANES>::new();
     let mut inside = [false; LANES];
@@ -51,13 +58,14 @@ pub(super) fn set_up_chunk(view: &View, first: u32, triangles: &[Triangle], keep
             lanes.live[i] = wanted && inside[i];
             if wanted && !inside[i] {
                 let projected = triangles[i].map(|v| view.project(f64::from(v.x), f64::from(v.y), f64::from(v.z)));
-                drawn += u32::from(clip::clip(view, &projected, &mut setups) > 0);
+                drawn += u32::from(clip::clip(view, &projected, &mut bins.setups) > 0);
             }
         }
         lanes.derive_slopes();
-        drawn += lanes.set_up(view, &mut setups) as u32;
+        drawn += lanes.set_up(view, &mut bins.setups) as u32;
     }
-    list_by_band(view, setups, kept, drawn)
+    (bins.kept, bins.drawn) = (kept, drawn);
+    list_by_band(view, bins);
 }
 
 /// Window positions of up to [`LANES`] triangles, and which lie inside the near and far planes and the guard band.
@@ -88,10 +96,12 @@ fn project(view: &View, triangles: &[Triangle], lanes: &mut Lanes<LANES>, inside
 
 /// A counting sort of references to the set-up triangles.
 #[inline(always)]
-fn list_by_band(view: &View, setups: Vec<Setup>, kept: u32, drawn: u32) -> Bins {
+fn list_by_band(view: &View, bins: &mut Bins) {
     let span = |setup: &Setup| setup.y_texels.map(|y| u32::from(y) >> view.bands.rows_log2);
-    let mut tall = Vec::new();
-    let mut starts = vec![0_u32; view.bands.count as usize + 1];
+    let Bins { setups, entries, starts, tall, .. } = bins;
+    tall.clear();
+    starts.clear();
+    starts.resize(view.bands.count as usize + 1, 0);
     for (i, setup) in setups.iter().enumerate() {
         let [first, last] = span(setup);
         if last - first >= BANDS_LISTED_MAX {
@@ -103,12 +113,13 @@ fn list_by_band(view: &View, setups: Vec<Setup>, kept: u32, drawn: u32) -> Bins 
         }
     }
     let mut total = 0;
-    for start in &mut starts {
+    for start in starts.iter_mut() {
         total += *start;
         *start = total;
     }
+    entries.clear();
+    entries.resize(total as usize, 0);
     // Filled from the end: afterwards each start is where its band begins.
-    let mut entries = vec![0; total as usize];
     for (i, setup) in setups.iter().enumerate().rev() {
         let [first, last] = span(setup);
         if last - first >= BANDS_LISTED_MAX {
@@ -120,5 +131,4 @@ fn list_by_band(view: &View, setups: Vec<Setup>, kept: u32, drawn: u32) -> Bins 
             entries[*start as usize] = i as u32;
         }
     }
-    Bins { setups, entries, starts, tall, kept, drawn }
 }

@@ -11,7 +11,7 @@
 //! Deviation from hardware: the plane comes from the unsnapped vertices, so that depth does not jitter by 1/256 texel.
 //!
 //! The work is sort-middle: chunks of triangles are transformed and set up in parallel and binned by bands of rows
-//! ([`bins`]), then each band is cleared and filled by one thread ([`fill`]). No texel is shared, and a minimum does not
+//! (`bins`), then each band is cleared and filled by one thread (`fill`). No texel is shared, and a minimum does not
 //! ask for order: the same bytes for any number of threads.
 
 mod bins;
@@ -25,6 +25,7 @@ use glam::DMat4;
 use rayon::prelude::*;
 
 use crate::scene::{Geometry, Triangle};
+use bins::Bins;
 use view::View;
 
 /// Largest map width and height, texels: what GPUs offer; edge functions stay exact far beyond it.
@@ -41,7 +42,7 @@ const CHUNK_TRIANGLES: usize = 4096;
 const BATCH_CHUNKS: usize = 256;
 
 /// A shadow map.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct DepthMap {
     /// Texels.
     pub width: u32,
@@ -109,17 +110,6 @@ pub enum RasterError {
     },
 }
 
-impl DepthMap {
-    /// A map of the far depth.
-    ///
-    /// # Errors
-    /// [`RasterError::Size`].
-    pub fn cleared(width: u32, height: u32) -> Result<Self, RasterError> {
-        let texels = texels(width, height)?;
-        Ok(Self { width, height, depth: vec![FAR; texels] })
-    }
-}
-
 /// Draws all triangles into a new map of `width` x `height` texels, seen through `clip_from_scene` (OpenGL clip space).
 ///
 /// # Errors
@@ -131,52 +121,69 @@ pub fn draw(
     height: u32,
     bias: Bias,
 ) -> Result<DepthMap, RasterError> {
-    // Zeroed memory is handed out untouched: bands clear it where they fill it.
-    let mut map = DepthMap { width, height, depth: vec![0.0; texels(width, height)?] };
-    draw_into(&mut map, geometry, clip_from_scene, bias, |_| true)?;
-    Ok(map)
+    let mut canvas = Canvas::default();
+    canvas.draw(geometry, clip_from_scene, width, height, bias, |_| true)?;
+    Ok(canvas.map)
 }
 
-/// Clears `map` and draws the triangles whose index `keep` accepts, reusing its memory.
-///
-/// # Errors
-/// [`RasterError`]: a size, matrix or bias that cannot be drawn; the map is then as it was.
-pub fn draw_into(
-    map: &mut DepthMap,
-    geometry: Geometry,
-    clip_from_scene: &DMat4,
-    bias: Bias,
-    keep: impl Fn(u32) -> bool + Sync,
-) -> Result<Counts, RasterError> {
-    let texels = texels(map.width, map.height)?;
-    let view = View::new(clip_from_scene, map.width, map.height, bias)?;
-    map.depth.resize(texels, FAR);
-    let band_texels = (map.width as usize) << view.bands.rows_log2;
+/// A map, and the memory it took to draw it, for drawing many maps one after the other: the system hands out fresh memory
+/// about as slowly as triangles are drawn to it.
+#[derive(Debug, Default)]
+pub struct Canvas {
+    /// What was drawn last; 0 x 0 at first.
+    pub map: DepthMap,
+    /// One for each chunk of a batch.
+    bins: Vec<Bins>,
+}
 
-    let chunks = chunks(geometry);
-    let mut counts = Counts::default();
-    let mut clear = true;
-    // The first batch clears, so an empty scene still needs one.
-    let batches = chunks.len().div_ceil(BATCH_CHUNKS).max(1);
-    for batch in 0..batches {
-        let end = chunks.len().min((batch + 1) * BATCH_CHUNKS);
-        let bins: Vec<bins::Bins> = chunks[batch * BATCH_CHUNKS..end]
-            .par_iter()
-            .map(|&(first, triangles)| kernel::set_up_chunk(&view, first, triangles, &keep))
-            .collect();
-        map.depth.par_chunks_mut(band_texels).enumerate().for_each(|(band, depth)| {
-            if clear {
-                depth.fill(FAR);
-            }
-            kernel::fill_band(&view, band, depth, &bins);
-        });
-        clear = false;
-        for chunk in &bins {
-            counts.kept += u64::from(chunk.kept);
-            counts.drawn += u64::from(chunk.drawn);
+impl Canvas {
+    /// Draws the triangles whose index `keep` accepts, as [`draw`] does, into [`Canvas::map`].
+    ///
+    /// # Errors
+    /// [`RasterError`]: a size, matrix or bias that cannot be drawn; the map is then as it was.
+    pub fn draw(
+        &mut self,
+        geometry: Geometry,
+        clip_from_scene: &DMat4,
+        width: u32,
+        height: u32,
+        bias: Bias,
+        keep: impl Fn(u32) -> bool + Sync,
+    ) -> Result<Counts, RasterError> {
+        let view = View::new(clip_from_scene, width, height, bias)?;
+        let texels = width as usize * height as usize;
+        if self.map.depth.capacity() < texels {
+            // Zeroed memory is handed out untouched, so that the threads that clear it touch it first.
+            self.map.depth = vec![0.0; texels];
         }
+        self.map.depth.resize(texels, FAR);
+        (self.map.width, self.map.height) = (width, height);
+
+        let chunks = chunks(geometry);
+        if chunks.is_empty() {
+            self.map.depth.fill(FAR);
+        }
+        let mut counts = Counts::default();
+        for (number, batch) in chunks.chunks(BATCH_CHUNKS).enumerate() {
+            if self.bins.len() < batch.len() {
+                self.bins.resize_with(batch.len(), Bins::default);
+            }
+            let bins = &mut self.bins[..batch.len()];
+            batch.par_iter().zip(bins.par_iter_mut()).for_each(|(&(first, triangles), bins)| {
+                kernel::set_up_chunk(&view, first, triangles, &keep, bins);
+            });
+            let band_texels = (width as usize) << view.bands.rows_log2;
+            self.map.depth.par_chunks_mut(band_texels).enumerate().for_each(|(band, depth)| {
+                if number == 0 {
+                    depth.fill(FAR);
+                }
+                kernel::fill_band(&view, band, depth, bins);
+            });
+            counts.kept += bins.iter().map(|b| u64::from(b.kept)).sum::<u64>();
+            counts.drawn += bins.iter().map(|b| u64::from(b.drawn)).sum::<u64>();
+        }
+        Ok(counts)
     }
-    Ok(counts)
 }
 
 /// The triangles in runs of [`CHUNK_TRIANGLES`], each with the index of its first.
@@ -190,13 +197,4 @@ fn chunks(geometry: Geometry<'_>) -> Vec<(u32, &[Triangle])> {
         }
     }
     chunks
-}
-
-/// Number of texels of a map of legal size.
-fn texels(width: u32, height: u32) -> Result<usize, RasterError> {
-    let legal = 1..=SIZE_MAX;
-    if !legal.contains(&width) || !legal.contains(&height) {
-        return Err(RasterError::Size { width, height });
-    }
-    Ok(width as usize * height as usize)
 }

@@ -6,7 +6,7 @@
 
 use glam::{DMat4, DVec4};
 
-use super::{Bias, RasterError};
+use super::{Bias, RasterError, SIZE_MAX};
 
 /// Texels beyond which triangles are clipped, on each side of the map. Snapped coordinates then stay within
 /// (2^16 + 2^14) * 256 < 2^25 subtexels, and products of their differences below 2^52: exact in i64 and in f64.
@@ -44,8 +44,12 @@ pub(super) struct View {
 }
 
 impl View {
-    /// Checks matrix and bias; the size is legal.
+    /// Checks size, matrix and bias.
     pub(super) fn new(clip_from_scene: &DMat4, width: u32, height: u32, bias: Bias) -> Result<Self, RasterError> {
+        let legal = 1..=SIZE_MAX;
+        if !legal.contains(&width) || !legal.contains(&height) {
+            return Err(RasterError::Size { width, height });
+        }
         for (column, entries) in clip_from_scene.to_cols_array_2d().iter().enumerate() {
             for (row, &value) in entries.iter().enumerate() {
                 if !value.is_finite() {
