@@ -1,8 +1,8 @@
 //! Flags that override keys of a job. They become a TOML table, the last layer of the job.
 
 use clap::Args;
-use lixel::methods::Method;
 use lixel::job::Preset;
+use lixel::methods::Method;
 use lixel::resolution::{Bound, Measure};
 use toml::{Table, Value};
 

@@ -50,7 +50,8 @@ pub(super) fn run(args: &PlanArgs, quiet: bool, signals: &Signals) -> Result<Exi
     };
     let plan = {
         let bar = Bar::new(quiet);
-        let watch = Watch { progress: &|p| bar.show(p), cancel: signals.cancel() };
+        let watch =
+            Watch { progress: &|p| bar.show(p), cancel: signals.cancel(), notes: &|text| report::remark(quiet, text) };
         let plan = lixel::plan::make(&job, plan_dir, args.timings, &watch)?;
         watch.check()?;
         plan

@@ -36,7 +36,8 @@ pub(super) fn run(args: &RenderArgs, quiet: bool, signals: &Signals) -> Result<E
     let job = lixel::job::load(&args.input, &args.job.overrides()).map_err(|e| Failure::job(e, &args.job))?;
     let files = {
         let bar = Bar::new(quiet);
-        let watch = Watch { progress: &|p| bar.show(p), cancel: signals.cancel() };
+        let watch =
+            Watch { progress: &|p| bar.show(p), cancel: signals.cancel(), notes: &|text| report::remark(quiet, text) };
         lixel::plan::render(&job, args.frame, &args.output, &watch)?
     };
     if !quiet {

@@ -28,6 +28,13 @@ pub(super) fn failure(failure: &Failure) -> ExitCode {
 }
 
 /// A line on standard error. A closed standard error is no reason to fail.
+pub(super) fn remark(quiet: bool, text: &str) {
+    if !quiet {
+        note(&format!("note: {text}"));
+    }
+}
+
+/// One line on standard error.
 pub(super) fn note(text: &str) {
     drop(writeln!(io::stderr(), "{text}"));
 }

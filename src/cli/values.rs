@@ -33,8 +33,8 @@ pub(super) fn integer(number: u32) -> toml::Value {
 #[cfg(test)]
 mod tests {
     use clap::builder::TypedValueParser;
-    use lixel::methods::Method;
     use lixel::job::Preset;
+    use lixel::methods::Method;
     use lixel::plan::Format;
     use lixel::resolution::{Bound, Measure};
 

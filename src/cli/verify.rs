@@ -10,6 +10,7 @@ use lixel::plan::{Verification, Watch};
 
 use super::exit::{FAILED, Failure, MET};
 use super::progress::Bar;
+use super::report;
 use super::signals::Signals;
 
 /// Check a plan against its scene: file hashes, witnesses, and every light measured again
@@ -33,7 +34,11 @@ pub(super) fn run(args: &VerifyArgs, quiet: bool, signals: &Signals) -> Result<E
     let plan_dir = args.plan.parent().unwrap_or(Path::new(""));
     let found = {
         let bar = Bar::new(quiet);
-        lixel::plan::verify(&plan, plan_dir, &Watch { progress: &|p| bar.show(p), cancel: signals.cancel() })?
+        lixel::plan::verify(
+            &plan,
+            plan_dir,
+            &Watch { progress: &|p| bar.show(p), cancel: signals.cancel(), notes: &|text| report::remark(quiet, text) },
+        )?
     };
     let text = if args.json { json(&found)? } else { table(&found) };
     let mut out = io::stdout().lock();

@@ -40,7 +40,8 @@ const VIOLATION: f64 = 1e-7;
 const MARGIN: f64 = 1.0 / 65536.0;
 
 /// Fits row 3 for a homography and what it keeps.
-pub fn fit_row(space: &LightSpace, h: &DMat3, kept: &Kept) -> Result<DepthRow, DepthError> {
+/// `plain` keeps the row a camera's: depth by w alone (point, spot) or by d alone (directional).
+pub fn fit_row(space: &LightSpace, h: &DMat3, kept: &Kept, plain: bool) -> Result<DepthRow, DepthError> {
     let p4 = h.row(2);
     if kept.points.is_empty() {
         return Err(DepthError::Empty);
@@ -51,7 +52,10 @@ pub fn fit_row(space: &LightSpace, h: &DMat3, kept: &Kept) -> Result<DepthRow, D
     let n = scaled.len() as f64;
     let centre = scaled.iter().fold(DVec4::ZERO, |s, v| s + *v / n);
     let extent = scaled.iter().fold(DVec4::ZERO, |m, v| m.max((*v - centre).abs()));
-    let scale = extent.map(|e| if e > 0.0 { 1.0 / e } else { 0.0 });
+    let mut scale = extent.map(|e| if e > 0.0 { 1.0 / e } else { 0.0 });
+    if plain {
+        scale = DVec4::new(0.0, 0.0, 0.0, scale.w);
+    }
     let y: Vec<DVec4> = scaled.iter().map(|v| (*v - centre) * scale).collect();
     let sign = if space.directional { 1.0 } else { -1.0 };
 

@@ -15,7 +15,7 @@ use glam::{DMat3, DMat4, DVec3, DVec4};
 /// The plane of one light, for one set of covered points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightSpace {
-    /// Rows r1, r2, r3 of R.
+    /// Rows r1, r2, r3 of R: right, up, forward.
     pub axes: [DVec3; 3],
     /// C, scene space.
     pub center: DVec3,
@@ -121,14 +121,15 @@ impl LightSpace {
     }
 }
 
-/// Orthonormal rows whose third is `axis` (unit), det = +1; the first two vary continuously except at axis = -y.
+/// Orthonormal rows right, up, forward with forward = `axis` (unit), as a camera's: r1 × r2 = -r3. With them a homography
+/// of positive determinant draws a map that is not mirrored. Continuous in the axis except where it crosses y = 0.
 fn frame_around(axis: DVec3) -> [DVec3; 3] {
     // Duff et al. 2017, "Building an orthonormal basis, revisited", with y in the place of z.
     let sign = 1.0_f64.copysign(axis.y);
     let a = -1.0 / (sign + axis.y);
     let b = axis.x * axis.z * a;
     let r1 = DVec3::new(1.0 + sign * axis.x * axis.x * a, -sign * axis.x, sign * b).normalize();
-    let r2 = axis.cross(r1);
+    let r2 = r1.cross(axis);
     [r1, r2, axis]
 }
 
@@ -174,7 +175,7 @@ mod tests {
         for axis in [DVec3::Y, DVec3::NEG_Y, DVec3::X, DVec3::new(1.0, -2.0, 0.3), DVec3::new(1e-9, -1.0, 1e-9)] {
             let [a, b, c] = frame_around(axis.normalize());
             assert!((a.dot(b)).abs() < 1e-15 && a.dot(c).abs() < 1e-15 && b.dot(c).abs() < 1e-15);
-            assert!((a.cross(b).dot(c) - 1.0).abs() < 1e-15);
+            assert!((a.cross(b).dot(c) + 1.0).abs() < 1e-15);
         }
     }
 

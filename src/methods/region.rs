@@ -99,6 +99,13 @@ impl Region {
         Region { domain: Domain::All, space: plane.space, h: h * scale, aspect, report, samples: plane.samples, rows }
     }
 
+    /// Whether the map is a camera's: always for point and spot lights; for directional ones when p4 is constant, that is
+    /// without a warp.
+    pub fn is_camera(&self) -> bool {
+        let p4 = self.h.row(2);
+        !self.space.directional || (p4.x == 0.0 && p4.y == 0.0)
+    }
+
     /// Rows in texels for a map of a given size.
     fn texel_rows(&self, texels: f64) -> [DVec3; 3] {
         texel_rows(&self.rows, self.aspect, texels)

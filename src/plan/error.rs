@@ -6,6 +6,8 @@ use std::path::PathBuf;
 use thiserror::Error;
 
 use super::SCHEMA;
+use crate::raster::RasterError;
+use crate::scene::SceneError;
 
 /// Why there is no plan, or no plan file.
 #[derive(Debug, Error)]
@@ -13,6 +15,12 @@ pub enum PlanError {
     /// A stage that this version does not have.
     #[error("{0} is not built yet")]
     NotBuilt(&'static str),
+    /// The files of the job, or what they hold.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// A map that cannot be drawn.
+    #[error(transparent)]
+    Raster(#[from] RasterError),
     /// The caller asked to stop.
     #[error("interrupted")]
     Cancelled,

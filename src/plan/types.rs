@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::{Conventions, Input, SCHEMA};
 use crate::job::Job;
 
-pub use light::{Cost, LightError, LightPlan, Measured, Predicted, SolverReport, Status, Termination, Tried};
+pub use light::{Cost, LightError, LightPlan, Measured, Predicted, SolverReport, Status, Tried};
 pub use map::{CubeFace, Domain, Frustum, LightCamera, LightProjection, MapBias, MapPlan, Witness};
 
 /// Four rows of four, applied to column vectors.

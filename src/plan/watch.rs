@@ -31,9 +31,16 @@ pub struct Watch<'a> {
     pub progress: &'a (dyn Fn(Progress) + Sync),
     /// Becomes true when the work should stop.
     pub cancel: &'a AtomicBool,
+    /// Called with each remark on the input, once.
+    pub notes: &'a (dyn Fn(&str) + Sync),
 }
 
 impl Watch<'_> {
+    /// Passes a remark on.
+    pub fn note(&self, text: &str) {
+        (self.notes)(text);
+    }
+
     /// Reports progress, and asks whether to go on.
     ///
     /// # Errors

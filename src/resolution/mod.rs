@@ -1,5 +1,15 @@
-//! (this room is being built)
+//! The smallest size that meets epsilon, by predicting and measuring.
 
+mod certify;
+mod fitted;
+mod judge;
 mod params;
+mod search;
+mod sizes;
 
+pub use certify::{Certified, Trial, UNCERTAIN_SLACK, certify, predict_only};
+pub use fitted::{FilmQuestion, FittedLight, fit_light};
+pub use judge::{EDGE_ON_DEGREES, Judge, JudgedMap, Verdict};
 pub use params::{AspectRule, BiasParams, Bound, MapParams, Measure, QualityParams, SIZE_MAX};
+pub use search::{Probe, smallest};
+pub use sizes::SizeGrid;

@@ -1,7 +1,8 @@
 //! A plan with something in every key, for the tests of plan files and of the commands that read them.
 
-use lixel::fit::Method;
+use lixel::fit::Termination;
 use lixel::job::Job;
+use lixel::methods::Method;
 use lixel::plan::*;
 use lixel::scene::{LightKindName, LightParams};
 
@@ -82,7 +83,7 @@ pub(crate) fn error(misclassified: u64, met: bool) -> LightError {
     };
     let tried = Tried { width: 512, height: 384, misclassified, uncertain: 40, displacement: None, footprint: None };
     LightError {
-        predicted: Predicted { misclassified: 1900.5, displacement: Some(0.5), footprint: None },
+        predicted: Predicted { misclassified: 1900.5, unsaturated: 2500.25, displacement: Some(0.5), footprint: None },
         measured: Some(measured),
         tried: vec![tried],
         met,
@@ -110,10 +111,13 @@ pub(crate) fn plan(inputs: Vec<Input>) -> Plan {
         error: Some(error(2000, true)),
         solver: Some(SolverReport {
             tolerance: 0.001,
-            gap: Some(0.0004),
+            spread: 0.0004,
+            gap: Some(0.0001),
             evaluations: 812,
             rounds: 4,
-            termination: Termination::GapClosed,
+            grazing: 3,
+            joined: 17,
+            termination: Termination::SimplexWithinTolerance,
         }),
         ..light("sun", LightKindName::Directional, Status::Planned)
     };

@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::MapPlan;
+use crate::fit::Termination;
 use crate::scene::LightKindName;
 
 /// One light in one frame.
@@ -88,8 +89,10 @@ pub struct LightError {
 /// The closed form's error at the chosen size.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
 pub struct Predicted {
-    /// Expected wrong pixels.
+    /// Expected wrong pixels, saturating where displacements are wider than the shadows.
     pub misclassified: f64,
+    /// The same without saturation.
+    pub unsaturated: f64,
     /// Pixels between drawn and exact edge, at the quantile, where that is the bound.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub displacement: Option<f64>,
@@ -152,31 +155,23 @@ pub struct Tried {
 /// How the matrix was found.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
 pub struct SolverReport {
-    /// The relative distance from the optimum that was asked for.
+    /// The relative tolerance that was asked for.
     pub tolerance: f64,
-    /// The relative distance that was reached, where the method knows one.
+    /// Relative spread of the objective over the last simplex: how far the search was from standing still.
+    pub spread: f64,
+    /// Relative distance above a dense search of the same problem, where one was made (effort `exhaustive`).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gap: Option<f64>,
     /// Evaluations of the objective.
     pub evaluations: u64,
     /// Rounds of reweighting.
     pub rounds: u64,
-    /// Why the solver stopped.
+    /// Edge samples left out because the light grazes their surface.
+    pub grazing: u64,
+    /// Film pixels that lay outside the first fit and joined the cover.
+    pub joined: u64,
+    /// Why the search stopped.
     pub termination: Termination,
-}
-
-/// Why a solver stopped.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum Termination {
-    /// gap ≤ tolerance.
-    GapClosed,
-    /// The last step improved the objective by less than tolerance times its value.
-    Stalled,
-    /// The method's own number of iterations was done.
-    Iterations,
-    /// The answer is a closed form.
-    ClosedForm,
 }
 
 /// What planning a light took.

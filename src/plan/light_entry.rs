@@ -1,0 +1,277 @@
+//! One light of one frame: from rays to an entry of the plan.
+
+use super::map_entry::{Seen, map_entry};
+use super::{Cost, LightError, LightPlan, Measured, PlanError, Predicted, SolverReport, Status, Tried};
+use crate::job::Job;
+use crate::math::Bounds;
+use crate::measure::{Outside, Receivers};
+use crate::resolution::{
+    Bound, Certified, EDGE_ON_DEGREES, FilmQuestion, FittedLight, Judge, JudgedMap, Measure, certify, fit_light,
+    predict_only,
+};
+use crate::samples::{GridView, LightSamples, sample_light};
+use crate::scene::{Camera, Film, Light, LightKind, LightKindName};
+use crate::visibility::{RayOffset, Tracer, View};
+use std::time::Instant;
+
+/// What a frame gives to each of its lights.
+pub(super) struct FrameStage<'a> {
+    pub(super) tracer: &'a Tracer<'a>,
+    pub(super) camera: &'a Camera,
+    pub(super) film: Film,
+    pub(super) grid: &'a GridView,
+    /// Absent when nothing is measured.
+    pub(super) view: Option<&'a View>,
+    pub(super) bounds: Bounds,
+    pub(super) offset: RayOffset,
+    /// Rays spent on the frame itself, shared out.
+    pub(super) rays_share: u64,
+}
+
+/// Most visible points kept for bias, witnesses and round trips.
+const SEEN_MAX: usize = 4096;
+
+/// Plans one light. `timings` adds wall time.
+pub(super) fn light_entry(stage: &FrameStage, light: &Light, job: &Job, timings: bool) -> Result<LightPlan, PlanError> {
+    let start = Instant::now();
+    let mut entry = blank(light, job);
+    let cover_lit = job.map.outside == Outside::Shadowed;
+    let samples =
+        sample_light(stage.tracer, stage.camera, stage.grid, light, stage.offset, job.sampling.refine, cover_lit);
+    let film = stage.view.map(|view| Receivers::classify(stage.tracer, view, stage.camera, light, stage.offset));
+    entry.cost.samples = samples.edges.len() as u64;
+    entry.cost.rays = stage.rays_share + samples.rays + film.as_ref().map_or(0, |f| f.len() as u64);
+    settle(stage, light, job, &samples, film.as_ref(), &mut entry)?;
+    if timings {
+        entry.cost.milliseconds = Some(start.elapsed().as_secs_f64() * 1e3);
+    }
+    Ok(entry)
+}
+
+/// Decides the status and, where maps are needed, plans them.
+fn settle(
+    stage: &FrameStage,
+    light: &Light,
+    job: &Job,
+    samples: &LightSamples,
+    film: Option<&Receivers>,
+    entry: &mut LightPlan,
+) -> Result<(), PlanError> {
+    let (facing, shadowed) = match film {
+        Some(film) => (film.len() as u64, film.shadowed_count()),
+        None => (samples.facing, samples.shadowed),
+    };
+    let needed = if job.map.outside == Outside::Lit { shadowed } else { facing - shadowed };
+    if facing == 0 || needed == 0 {
+        let at = if film.is_some() { "no pixel" } else { "no position of the planning grid" };
+        (entry.status, entry.reason) = if facing == 0 {
+            (Status::Unlit, Some(format!("{at} faces the light within its reach")))
+        } else {
+            let differs = if job.map.outside == Outside::Lit { "in shadow" } else { "lit" };
+            (Status::NoVisibleShadow, Some(format!("{at} that faces the light is {differs}")))
+        };
+        return Ok(());
+    }
+    let question = FilmQuestion {
+        camera: stage.camera,
+        film: stage.film,
+        light,
+        bounds: stage.bounds,
+        quality: &job.quality,
+        map: &job.map,
+        solver: &job.solver,
+        sample_cap: job.sampling.cap as usize,
+    };
+    let fitted = match fit_light(&question, samples, film) {
+        Ok(fitted) => fitted,
+        Err(reason) => {
+            (entry.status, entry.reason) = (Status::Inapplicable, Some(reason.to_string()));
+            return Ok(());
+        }
+    };
+    let seen = seen(stage, light, film);
+    let (maps, certified) = match (film, stage.view) {
+        (Some(film), Some(view)) => {
+            let judge = Judge::new(stage.tracer, view, &question, &fitted, film, stage.offset);
+            let mut judge = match judge {
+                Ok(judge) => judge,
+                Err(reason) => {
+                    (entry.status, entry.reason) = (Status::Inapplicable, Some(reason.to_string()));
+                    return Ok(());
+                }
+            };
+            let certified = certify(&question, &fitted, &mut judge)?;
+            entry.cost.texels_drawn = judge.texels_drawn;
+            entry.cost.triangles_drawn = judge.triangles_drawn;
+            (judge.maps, certified)
+        }
+        _ => {
+            let receivers: Vec<_> = seen.iter().map(|s| s.position).collect();
+            let map = |r: &crate::methods::Region| JudgedMap::new(r.clone(), stage.tracer.geometry(), &receivers);
+            match fitted.regions.iter().map(map).collect::<Result<Vec<_>, _>>() {
+                Ok(maps) => (maps, predict_only(&question, &fitted)),
+                Err(reason) => {
+                    (entry.status, entry.reason) = (Status::Inapplicable, Some(reason.to_string()));
+                    return Ok(());
+                }
+            }
+        }
+    };
+    entry.maps = maps
+        .iter()
+        .zip(&certified.sizes)
+        .map(|(map, size)| map_entry(map, job.solver.method, *size, &certified.bias, light, stage.tracer, &seen))
+        .collect();
+    entry.status = if certified.met { Status::Planned } else { Status::NotMet };
+    if !certified.met {
+        entry.reason = Some(not_met_reason(job, &certified, stage.film));
+    }
+    entry.solver = Some(solver_report(job, &fitted));
+    entry.cost.solver_evaluations = fitted.evaluations;
+    entry.error = Some(light_error(job, &certified, stage, film));
+    Ok(())
+}
+
+fn not_met_reason(job: &Job, certified: &Certified, film: Film) -> String {
+    let largest = certified.sizes.iter().map(|[w, h]| format!("{w}x{h}")).collect::<Vec<_>>().join(" + ");
+    match &certified.chosen {
+        Some(trial) if job.quality.bound == Bound::Misclassified => format!(
+            "at the largest size within map.max = {}, {largest}, {} certain and {} uncertain of {} pixels are wrong, \
+             of them {} by depth bias: raise map.max or epsilon",
+            job.map.max,
+            trial.verdict.certain.wrong(),
+            trial.verdict.uncertain,
+            film.pixels(),
+            certified.self_shadow
+        ),
+        Some(trial) => format!(
+            "at the largest size within map.max = {}, {largest}, the bound is at {:.3} pixels: raise map.max or epsilon",
+            job.map.max,
+            trial.at_quantile.unwrap_or(f64::INFINITY)
+        ),
+        None => format!("the prediction needs more than map.max = {} allows: raise map.max or epsilon", job.map.max),
+    }
+}
+
+fn solver_report(job: &Job, fitted: &FittedLight) -> SolverReport {
+    let reports = || fitted.regions.iter().map(|r| r.report);
+    let worst = reports().fold(None, |w: Option<crate::methods::Report>, r| match w {
+        Some(w) if w.spread >= r.spread => Some(w),
+        _ => Some(r),
+    });
+    SolverReport {
+        tolerance: job.solver.tolerance,
+        spread: reports().map(|r| r.spread).fold(0.0, f64::max),
+        gap: reports().filter_map(|r| r.gap).reduce(f64::max),
+        evaluations: fitted.evaluations,
+        rounds: reports().map(|r| u64::from(r.rounds)).max().unwrap_or(0),
+        grazing: reports().map(|r| r.grazing).sum(),
+        joined: fitted.joined,
+        termination: worst.map_or(crate::fit::Termination::Direct, |r| r.termination),
+    }
+}
+
+fn light_error(job: &Job, certified: &Certified, stage: &FrameStage, film: Option<&Receivers>) -> LightError {
+    let of_quantile = |bound: Bound, value: Option<f64>| if job.quality.bound == bound { value } else { None };
+    let measured = certified.chosen.as_ref().filter(|_| film.is_some()).map(|trial| {
+        let verdict = trial.verdict;
+        let all = verdict.certain.wrong() + verdict.uncertain;
+        Measured {
+            misclassified: verdict.certain.wrong(),
+            of_pixels: stage.film.pixels() as u64,
+            false_lit: verdict.certain.false_lit,
+            false_shadow: verdict.certain.false_shadow,
+            uncertain: verdict.uncertain,
+            edge: all - certified.self_shadow,
+            self_shadow: certified.self_shadow,
+            ray_offset_m: stage.offset.metres,
+            larger_ray_offset_m: stage.offset.uncertain().metres,
+            edge_on_degrees: EDGE_ON_DEGREES,
+            displacement: of_quantile(Bound::Displacement, trial.at_quantile),
+            footprint: of_quantile(Bound::Footprint, trial.at_quantile),
+        }
+    });
+    LightError {
+        predicted: Predicted {
+            misclassified: certified.predicted.misclassified,
+            unsaturated: certified.predicted.unsaturated,
+            displacement: of_quantile(Bound::Displacement, certified.predicted_at_quantile),
+            footprint: of_quantile(Bound::Footprint, certified.predicted_at_quantile),
+        },
+        measured,
+        tried: certified
+            .tried
+            .iter()
+            .map(|trial| Tried {
+                width: trial.sizes[0][0],
+                height: trial.sizes[0][1],
+                misclassified: trial.verdict.certain.wrong(),
+                uncertain: trial.verdict.uncertain,
+                displacement: of_quantile(Bound::Displacement, trial.at_quantile),
+                footprint: of_quantile(Bound::Footprint, trial.at_quantile),
+            })
+            .collect(),
+        met: certified.met,
+    }
+}
+
+/// Visible points of the light, evenly thinned: of the film where it was classified, else of the grid.
+fn seen(stage: &FrameStage, light: &Light, film: Option<&Receivers>) -> Vec<Seen> {
+    match (film, stage.view) {
+        (Some(film), Some(view)) => {
+            let stride = film.len().div_ceil(SEEN_MAX).max(1);
+            (0..film.len())
+                .step_by(stride)
+                .filter_map(|i| {
+                    let surface = view.surface(stage.tracer, stage.camera, film.pixels[i] as usize)?;
+                    Some(Seen { position: film.positions[i], normal: surface.normal, shadowed: film.shadowed[i] })
+                })
+                .collect()
+        }
+        _ => stage
+            .grid
+            .surfaces
+            .iter()
+            .flatten()
+            .filter_map(|s| {
+                let answer = crate::visibility::answer(stage.tracer, s, light, stage.offset);
+                (answer != crate::visibility::Answer::Unlit).then_some(Seen {
+                    position: s.position,
+                    normal: s.normal,
+                    shadowed: answer == crate::visibility::Answer::Shadowed,
+                })
+            })
+            .collect(),
+    }
+}
+
+/// An entry with the light's placement and nothing planned.
+fn blank(light: &Light, job: &Job) -> LightPlan {
+    let (kind, direction, cone, range) = match light.kind {
+        LightKind::Directional { direction } => (LightKindName::Directional, Some(direction), None, None),
+        LightKind::Point { range, .. } => (LightKindName::Point, None, None, range),
+        LightKind::Spot { direction, cone_rad, range, .. } => {
+            (LightKindName::Spot, Some(direction), Some(cone_rad.to_degrees()), range)
+        }
+    };
+    LightPlan {
+        light: light.name.clone(),
+        kind,
+        direction: direction.map(|d| d.to_array()),
+        position: light.position().map(|p| p.to_array()),
+        cone_degrees: cone,
+        range,
+        status: Status::Planned,
+        reason: None,
+        epsilon: job.quality.epsilon(),
+        maps: Vec::new(),
+        error: None,
+        solver: None,
+        cost: Cost::default(),
+    }
+}
+
+/// Whether a job measures.
+pub(super) fn measures(job: &Job) -> bool {
+    job.quality.measure == Measure::Always
+}

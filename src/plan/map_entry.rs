@@ -1,0 +1,155 @@
+//! One map of a plan, from what was fitted and certified.
+
+use super::light_camera::light_camera;
+use super::{CubeFace, Domain, MapBias, MapPlan, Witness};
+use crate::depth::bias_units;
+use crate::math::rows_of;
+use crate::methods::{self, Method};
+use crate::raster::Bias;
+use crate::resolution::JudgedMap;
+use crate::scene::Light;
+use crate::visibility::Tracer;
+use glam::{DMat4, DVec2, DVec3};
+
+/// A visible point that may look a map up: position, unit normal towards the camera, exact answer.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Seen {
+    pub(super) position: DVec3,
+    pub(super) normal: DVec3,
+    pub(super) shadowed: bool,
+}
+
+/// Writes the entry of a map. `seen` are visible points of the light, a few thousand are enough.
+pub(super) fn map_entry(
+    map: &JudgedMap,
+    method: Method,
+    size: [u32; 2],
+    bias: &Bias,
+    light: &Light,
+    tracer: &Tracer,
+    seen: &[Seen],
+) -> MapPlan {
+    let m = &map.clip_from_scene;
+    let inside: Vec<Seen> = seen
+        .iter()
+        .copied()
+        .filter(|s| map.region.domain.holds(s.position) && uv_of(m, s.position).is_some_and(|(uv, _)| in_unit(uv)))
+        .collect();
+    let units = bias_units(m, size, light, bias, inside.iter().map(|s| (s.position, s.normal)));
+    let (light_camera, light_camera_reason) = match light_camera(&map.region, m) {
+        Ok(camera) => (Some(camera), None),
+        Err(reason) => (None, Some(reason)),
+    };
+    MapPlan {
+        method,
+        domain: domain(&map.region.domain),
+        clip_from_world: rows_of(m),
+        width: size[0],
+        height: size[1],
+        near: map.depth.near_m,
+        far: map.depth.far_m,
+        bias: MapBias {
+            constant: bias.constant,
+            slope: bias.slope,
+            clamp: bias.clamp.is_finite().then_some(bias.clamp),
+            texels: units.texels,
+            world: units.world_m,
+        },
+        light_camera,
+        light_camera_reason,
+        witnesses: witnesses(m, light, tracer, &inside),
+        f32_roundtrip_texels: f32_roundtrip(m, size, &inside),
+    }
+}
+
+fn domain(domain: &methods::Domain) -> Domain {
+    match *domain {
+        methods::Domain::All => Domain::All,
+        methods::Domain::CubeFace { position, axis, positive } => {
+            const FACES: [[CubeFace; 2]; 3] = [
+                [CubeFace::NegativeX, CubeFace::PositiveX],
+                [CubeFace::NegativeY, CubeFace::PositiveY],
+                [CubeFace::NegativeZ, CubeFace::PositiveZ],
+            ];
+            Domain::CubeFace {
+                position: position.to_array(),
+                axes: DVec3::AXES.map(|a| a.to_array()),
+                face: FACES[axis][usize::from(positive)],
+            }
+        }
+    }
+}
+
+/// Map coordinates in [0, 1] and window depth; `None` behind the light.
+pub(super) fn uv_of(m: &DMat4, point: DVec3) -> Option<(DVec2, f64)> {
+    let clip = *m * point.extend(1.0);
+    (clip.w > 0.0).then(|| {
+        let ndc = clip.truncate() / clip.w * 0.5 + 0.5;
+        (ndc.truncate(), ndc.z)
+    })
+}
+
+fn in_unit(uv: DVec2) -> bool {
+    uv.cmpge(DVec2::ZERO).all() && uv.cmplt(DVec2::ONE).all()
+}
+
+/// Extremes of the seen points in eight directions, and two of them lifted towards the light, so that the set is not flat
+/// even over a flat floor.
+fn witnesses(m: &DMat4, light: &Light, tracer: &Tracer, inside: &[Seen]) -> Vec<Witness> {
+    let Some(first) = inside.first() else { return Vec::new() };
+    let mut chosen: Vec<(DVec3, bool)> = Vec::new();
+    let mut add = |position: DVec3, shadowed: bool| {
+        if !chosen.iter().any(|(p, _)| *p == position) {
+            chosen.push((position, shadowed));
+        }
+    };
+    for k in 0..8 {
+        let sign = |bit: usize| if k >> bit & 1 == 0 { 1.0 } else { -1.0 };
+        let direction = DVec3::new(sign(0), sign(1) * 0.7, sign(2) * 1.3);
+        let far =
+            inside.iter().fold(first, |b, s| if s.position.dot(direction) > b.position.dot(direction) { s } else { b });
+        add(far.position, far.shadowed);
+    }
+    for answer in [true, false] {
+        if let Some(s) = inside.iter().find(|s| s.shadowed == answer) {
+            add(s.position, s.shadowed);
+        }
+    }
+    // Lifted by halving steps until it still lies in the map's depth range.
+    for s in [first, &inside[inside.len() / 2], &inside[inside.len() - 1]] {
+        let towards = light.towards(s.position);
+        let reach = if light.position().is_some() { 0.5 } else { inside_extent(inside) };
+        for halving in 0..8 {
+            let lifted = s.position + towards * (reach * 0.5_f64.powi(halving));
+            if uv_of(m, lifted).is_some_and(|(uv, depth)| in_unit(uv) && (0.0..=1.0).contains(&depth)) {
+                let end = if light.position().is_some() { 1.0 } else { f64::INFINITY };
+                add(lifted, tracer.occluded(lifted, light.towards(lifted), 0.0, end));
+                break;
+            }
+        }
+    }
+    chosen
+        .into_iter()
+        .filter_map(|(world, shadowed)| {
+            let (uv, depth) = uv_of(m, world)?;
+            Some(Witness { world: world.to_array(), uv: uv.to_array(), depth, shadowed })
+        })
+        .collect()
+}
+
+fn inside_extent(inside: &[Seen]) -> f64 {
+    crate::math::Bounds::of(inside.iter().map(|s| s.position)).diagonal()
+}
+
+/// Largest shift of a seen point, texels, when every entry of the matrix is rounded to f32.
+fn f32_roundtrip(m: &DMat4, size: [u32; 2], inside: &[Seen]) -> f64 {
+    let rounded = DMat4::from_cols_array(&m.to_cols_array().map(|v| f64::from(v as f32)));
+    let size = DVec2::new(f64::from(size[0]), f64::from(size[1]));
+    inside
+        .iter()
+        .filter_map(|s| {
+            let (a, b) = (uv_of(m, s.position)?, uv_of(&rounded, s.position)?);
+            Some(((a.0 - b.0) * size).abs().max_element())
+        })
+        .fold(0.0, f64::max)
+}

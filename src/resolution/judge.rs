@@ -1,0 +1,200 @@
+//! Draws a light's maps at a size and judges every film pixel, certain and uncertain apart.
+
+use super::{BiasParams, FilmQuestion, FittedLight};
+use crate::depth::{CONSTANT_F32, DepthError, DepthRow, fit_row, kept_points};
+use crate::measure::{Counts, Drawn, Receivers, wrong};
+use crate::methods::Region;
+use crate::raster::{Bias, Canvas, RasterError};
+use crate::scene::Geometry;
+use crate::visibility::{Answer, RayOffset, Tracer, View, answer};
+use glam::{DMat4, DVec3, DVec4};
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicU8, Ordering};
+
+/// A surface within this angle of edge-on to the light has no certain answer, degrees: normals of a scanned or tessellated
+/// surface are no truer.
+pub const EDGE_ON_DEGREES: f64 = 1.0;
+
+/// Everything needed to judge one light's maps at any size.
+pub struct Judge<'a> {
+    tracer: &'a Tracer<'a>,
+    view: &'a View,
+    question: &'a FilmQuestion<'a>,
+    receivers: &'a Receivers,
+    offset: RayOffset,
+    /// Matrices and depth ranges, in the order of the regions.
+    pub maps: Vec<JudgedMap>,
+    /// Scratch of drawing.
+    canvas: Canvas,
+    /// 0 not asked yet, 1 certain, 2 uncertain; one for each receiver.
+    certainty: Vec<AtomicU8>,
+    /// Texels drawn so far.
+    pub texels_drawn: u64,
+    /// Triangles drawn so far.
+    pub triangles_drawn: u64,
+}
+
+/// A region's matrix.
+#[derive(Clone, Debug)]
+pub struct JudgedMap {
+    /// The region.
+    pub region: Region,
+    /// OpenGL clip space from scene space.
+    pub clip_from_scene: DMat4,
+    /// Its depth row and range.
+    pub depth: DepthRow,
+}
+
+/// What a size came to.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Verdict {
+    /// Wrong pixels with a certain exact answer.
+    pub certain: Counts,
+    /// Further wrong pixels, whose exact answer is uncertain.
+    pub uncertain: u64,
+}
+
+impl JudgedMap {
+    /// The matrix of a region with the depth row that holds `receivers` and their casters.
+    pub fn new(region: Region, geometry: Geometry, receivers: &[DVec3]) -> Result<JudgedMap, DepthError> {
+        let inside: Vec<DVec3> = receivers
+            .iter()
+            .copied()
+            .filter(|p| region.domain.holds(*p))
+            .filter(|p| {
+                let u = region.h * region.space.q(*p);
+                u.z > 0.0 && u.x >= 0.0 && u.x <= u.z && u.y >= 0.0 && u.y <= u.z
+            })
+            .collect();
+        let kept = kept_points(geometry, &region.space, &region.h, &inside);
+        let depth = fit_row(&region.space, &region.h, &kept, region.is_camera())?;
+        Ok(JudgedMap { clip_from_scene: clip_from_scene(&region, depth.row), region, depth })
+    }
+}
+
+/// The light matrix of a region: its unit square becomes clip space [-1, 1]².
+fn clip_from_scene(region: &Region, depth_row: DVec4) -> DMat4 {
+    let unit = region.space.clip_from_scene(&region.h, depth_row);
+    let clip_from_unit = DMat4::from_cols(
+        DVec4::new(2.0, 0.0, 0.0, 0.0),
+        DVec4::new(0.0, 2.0, 0.0, 0.0),
+        DVec4::new(0.0, 0.0, 1.0, 0.0),
+        DVec4::new(-1.0, -1.0, 0.0, 1.0),
+    );
+    clip_from_unit * unit
+}
+
+impl<'a> Judge<'a> {
+    /// For fitted regions; finds their depth rows.
+    pub fn new(
+        tracer: &'a Tracer<'a>,
+        view: &'a View,
+        question: &'a FilmQuestion<'a>,
+        fitted: &FittedLight,
+        receivers: &'a Receivers,
+        offset: RayOffset,
+    ) -> Result<Judge<'a>, DepthError> {
+        let new = |region: &Region| JudgedMap::new(region.clone(), tracer.geometry(), &receivers.positions);
+        let maps = fitted.regions.iter().map(new).collect::<Result<_, _>>()?;
+        let certainty = (0..receivers.len()).map(|_| AtomicU8::new(0)).collect();
+        Ok(Judge {
+            tracer,
+            view,
+            question,
+            receivers,
+            offset,
+            maps,
+            canvas: Canvas::default(),
+            certainty,
+            texels_drawn: 0,
+            triangles_drawn: 0,
+        })
+    }
+
+    /// Draws all maps at sizes with a bias.
+    pub fn draw(&mut self, sizes: &[[u32; 2]], bias: Bias) -> Result<Vec<Drawn>, RasterError> {
+        let mut drawn = Vec::with_capacity(self.maps.len());
+        for (map, [width, height]) in self.maps.iter().zip(sizes) {
+            let counts =
+                self.canvas.draw(self.tracer.geometry(), &map.clip_from_scene, *width, *height, bias, |_| true)?;
+            self.texels_drawn += u64::from(*width) * u64::from(*height);
+            self.triangles_drawn += counts.drawn;
+            drawn.push(Drawn {
+                domain: map.region.domain,
+                clip_from_scene: map.clip_from_scene,
+                map: std::mem::take(&mut self.canvas.map),
+            });
+        }
+        Ok(drawn)
+    }
+
+    /// Receivers answered wrongly by drawn maps.
+    pub fn wrong(&self, drawn: &[Drawn]) -> Vec<u32> {
+        wrong(self.receivers, drawn, self.question.map.outside)
+    }
+
+    /// Certain and uncertain among wrong receivers.
+    pub fn verdict(&self, wrong: &[u32]) -> Verdict {
+        let uncertain: Vec<bool> = wrong.par_iter().with_min_len(256).map(|i| self.is_uncertain(*i)).collect();
+        let mut verdict = Verdict::default();
+        for (i, uncertain) in wrong.iter().zip(uncertain) {
+            if uncertain {
+                verdict.uncertain += 1;
+            } else if self.receivers.shadowed[*i as usize] {
+                verdict.certain.false_lit += 1;
+            } else {
+                verdict.certain.false_shadow += 1;
+            }
+        }
+        verdict
+    }
+
+    /// Whether a receiver's exact answer changes under the larger offset, or it lies nearly edge-on to the light.
+    fn is_uncertain(&self, receiver: u32) -> bool {
+        let slot = &self.certainty[receiver as usize];
+        match slot.load(Ordering::Relaxed) {
+            0 => {
+                let pixel = self.receivers.pixels[receiver as usize] as usize;
+                let exact = self.receivers.shadowed[receiver as usize];
+                let uncertain = self.view.surface(self.tracer, self.question.camera, pixel).is_some_and(|surface| {
+                    let light = self.question.light;
+                    let facing = surface.normal.dot(light.towards(surface.position).normalize());
+                    let larger = answer(self.tracer, &surface, light, self.offset.uncertain());
+                    facing < EDGE_ON_DEGREES.to_radians().sin() || (larger == Answer::Shadowed) != exact
+                });
+                slot.store(1 + u8::from(uncertain), Ordering::Relaxed);
+                uncertain
+            }
+            known => known == 2,
+        }
+    }
+
+    /// The receivers judged.
+    pub fn receivers(&self) -> &Receivers {
+        self.receivers
+    }
+
+    /// Wrong receivers that a larger or no bias answers right: self-shadowing and what the bias hides, not edges.
+    pub fn self_shadowed(&mut self, sizes: &[[u32; 2]], bias: Bias, wrong: &[u32]) -> Result<u64, RasterError> {
+        /// How much larger the larger bias is.
+        const LARGER: f64 = 4.0;
+        let larger =
+            Bias { constant: bias.constant * LARGER * LARGER, slope: bias.slope * LARGER, clamp: bias.clamp * LARGER };
+        let mut edge = wrong.to_vec();
+        for other in [larger, Bias::NONE] {
+            let drawn = self.draw(sizes, other)?;
+            let still_wrong = self.wrong(&drawn);
+            edge.retain(|i| still_wrong.binary_search(i).is_ok());
+        }
+        Ok((wrong.len() - edge.len()) as u64)
+    }
+}
+
+/// The bias that the user asks for, or the default.
+pub(super) fn bias_of(params: &BiasParams) -> Bias {
+    Bias {
+        constant: params.constant.unwrap_or(CONSTANT_F32),
+        slope: params.slope,
+        clamp: params.clamp.unwrap_or(f64::INFINITY),
+    }
+}
