@@ -13,6 +13,9 @@ const SLOPE_MIN: f32 = 1.0 / (1u64 << 60) as f32;
 /// Shorter directions are as good as none; their inverse would overflow.
 const LENGTH_MIN: f64 = 4.0 * f64::MIN_POSITIVE;
 
+/// Largest coordinate of an origin that is left where it is: the kernel's rounding is worked out for it.
+const ORIGIN_MAX: f64 = 2.0;
+
 /// A ray as the kernel wants it, in the unit cube of the tree's stored coordinates. Its direction has ±1 on its dominant
 /// axis, so its parameter is the distance along that axis.
 #[derive(Clone, Copy, Debug)]
@@ -74,8 +77,8 @@ pub(super) struct LocalRay {
 }
 
 impl LocalRay {
-    /// An origin outside the tree's bounds is moved up to them in f64, so that f32 holds it to the bounds' own precision
-    /// however far away it starts. `None` when the ray passes the bounds by, or is not finite.
+    /// An origin far outside the tree is moved up to its bounds in f64, so that f32 holds it to the bounds' own precision
+    /// however far away it starts. `None` when such a ray passes the bounds by, or when a ray is not finite.
     #[inline(always)]
     pub(super) fn new(bvh: &Bvh, scene: &SceneRay) -> Option<LocalRay> {
         let &SceneRay { origin, direction, t_min, t_max } = scene;
@@ -85,8 +88,8 @@ impl LocalRay {
         if !(origin.is_finite() && direction.is_finite() && length >= LENGTH_MIN && t_min <= t_max) {
             return None;
         }
-        let inside = origin.cmpge(low).all() && origin.cmple(high).all();
-        let start = if inside { 0.0 } else { entry([low, high], bvh.scale(), scene)? };
+        let near_enough = (origin.abs() * bvh.scale()).max_element() <= ORIGIN_MAX;
+        let start = if near_enough { 0.0 } else { entry([low, high], bvh.scale(), scene)? };
         let mut unit = direction * length.recip();
         unit[axes[2]] = 1f64.copysign(direction[axes[2]]);
         let local_origin = (origin + direction * start) * bvh.scale();
@@ -98,6 +101,7 @@ impl LocalRay {
 
     /// The caller's parameter where the ray meets the plane of the triangle found, in f64; kept within what the triangle
     /// spans along the ray's dominant axis, because seen edge-on its plane is met anywhere.
+    #[inline(always)]
     pub(super) fn meet(&self, bvh: &Bvh, found: &Nearest) -> f64 {
         let [a, b, c] = bvh.wide.corners(found).map(|v| v.as_dvec3() - self.origin);
         let normal = (b - a).cross(c - a);
