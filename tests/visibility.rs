@@ -285,3 +285,23 @@ fn many_equal_triangles_make_no_tree_too_deep() {
     let hit = tracer.closest(DVec3::new(0.2, 0.2, 1.0), DVec3::NEG_Z, 0.0, 9.0);
     assert_eq!(hit.map(|h| (h.triangle, h.t)), Some((0, 1.0)));
 }
+
+#[test]
+fn any_number_of_threads_gives_the_same_film() {
+    let triangles = [square(3.0, -2.0), sphere(Vec3::ZERO, 1.5, 30)].concat();
+    let film = Film { width: 90, height: 70 };
+    let (camera, light) = (look_down(6.0), sun(DVec3::new(0.6, -1.0, 0.2)));
+    let with_threads = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            let bvh = Bvh::build(&triangles);
+            let tracer = Tracer::new(Geometry { still: &triangles, moving: &[] }, &bvh, None);
+            let view = see(&tracer, &camera, film);
+            let answers = classify(&tracer, &view, &camera, &light, RayOffset::for_scene(&tracer));
+            (view.triangles, view.depths_m, answers)
+        })
+    };
+    let one = with_threads(1);
+    assert!(one.2.contains(&Answer::Shadowed) && one.2.contains(&Answer::Lit));
+    assert_eq!(one, with_threads(4));
+}

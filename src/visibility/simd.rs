@@ -86,3 +86,40 @@ mod avx2 {
         unsafe { compiled(bvh, ray) }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::{DVec3, Vec3};
+
+    use super::*;
+    use crate::scene::Triangle;
+
+    /// A coarse grid of points, so that rays often meet edges and vertices exactly.
+    fn grid_point(state: &mut u32) -> Vec3 {
+        let mut next = || {
+            *state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (*state >> 28) as f32 / 4.0
+        };
+        Vec3::new(next(), next(), next())
+    }
+
+    #[test]
+    fn lanes_give_the_same_answers_bit_for_bit() {
+        let mut state = 1;
+        let triangles: Vec<Triangle> = (0..500).map(|_| std::array::from_fn(|_| grid_point(&mut state))).collect();
+        let bvh = Bvh::build(&triangles);
+        let fast = Simd::detect();
+        let mut hits = 0;
+        for _ in 0..5000 {
+            let (from, to) = (grid_point(&mut state), grid_point(&mut state));
+            let (origin, direction) = (from.as_dvec3() * 2.0 - DVec3::ONE, (to - from).as_dvec3());
+            let ray = SceneRay { origin, direction, t_min: 0.0, t_max: f64::INFINITY };
+            let (ours, portable) = (fast.closest(&bvh, &ray), Simd::Portable.closest(&bvh, &ray));
+            assert_eq!(ours.map(|h| (h.triangle, h.t.to_bits())), portable.map(|h| (h.triangle, h.t.to_bits())));
+            assert_eq!(fast.occluded(&bvh, &ray), ours.is_some());
+            assert_eq!(Simd::Portable.occluded(&bvh, &ray), ours.is_some());
+            hits += u32::from(ours.is_some());
+        }
+        assert!(hits > 500, "{hits} hits");
+    }
+}

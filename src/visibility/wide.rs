@@ -22,10 +22,9 @@ pub(super) const DEPTH_MAX: usize = 64;
 /// Set in a child reference that names a leaf.
 pub(super) const LEAF: u32 = 1 << 31;
 
-/// Boxes are grown on every side by this much of the unit cube that holds all coordinates: 32 roundings of f32 at 1.
-/// The kernel's own arithmetic on vertices and box planes errs by less than 16 of them (see `kernel`), so a triangle
-/// it would call hit always lies behind boxes it calls hit, and the tree never changes an answer.
-pub(super) const BOX_MARGIN: f32 = 32.0 * f32::EPSILON / 2.0;
+/// Boxes are grown on every side by this much of the unit cube that holds all vertices: 64 roundings of f32 at 1, twice
+/// what the kernel's arithmetic can err by (worked out in `kernel`). So the tree never changes an answer.
+pub(super) const BOX_MARGIN: f32 = 64.0 * f32::EPSILON / 2.0;
 
 /// Eight boxes side by side.
 #[repr(C, align(64))]
@@ -229,5 +228,69 @@ impl Topology<'_> {
             }
         }
         leaf
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3A;
+    use obvhs::aabb::Aabb;
+    use obvhs::bvh2::node::Bvh2Node;
+
+    use super::*;
+
+    /// A tree that is a chain: every node has one leaf of one triangle and the rest.
+    fn chain(triangles: &[Triangle]) -> Bvh2 {
+        let leaf = |i: usize| Bvh2Node::new(Aabb::from_points(&triangles[i].map(Vec3A::from)), 1, i as u32);
+        let everything = triangles.iter().flatten().fold(Aabb::empty(), |mut all, &v| *all.extend(v.into()));
+        let mut nodes = vec![Bvh2Node::new(everything, 0, 1)];
+        for i in 0..triangles.len() - 2 {
+            nodes.push(leaf(i));
+            nodes.push(Bvh2Node::new(everything, 0, nodes.len() as u32 + 1));
+        }
+        nodes.extend([leaf(triangles.len() - 2), leaf(triangles.len() - 1)]);
+        Bvh2 { nodes, primitive_indices: (0..triangles.len() as u32).collect(), ..Default::default() }
+    }
+
+    fn depth(wide: &Wide, node: u32) -> usize {
+        let inner = wide.nodes[node as usize].children.iter().filter(|&&child| child & LEAF == 0);
+        1 + inner.map(|&child| depth(wide, child)).max().unwrap_or(0)
+    }
+
+    #[test]
+    fn a_tree_that_is_too_deep_is_cut_and_keeps_every_triangle() {
+        let corner = |i: usize| Vec3::new(i as f32 / 2048.0, 0.0, 0.0);
+        let triangles: Vec<Triangle> =
+            (0..2000).map(|i| [corner(i), corner(i) + Vec3::Y * 0.1, corner(i) + Vec3::Z * 0.1]).collect();
+        let kept: Vec<u32> = (0..2000).collect();
+        let wide = Wide::collapse(&chain(&triangles), &kept, &triangles, 1.0);
+        assert!(depth(&wide, 0) <= DEPTH_MAX, "{} deep", depth(&wide, 0));
+        let mut found: Vec<u32> =
+            wide.leaves.iter().flat_map(|leaf| leaf.triangles).filter(|&i| i != u32::MAX).collect();
+        found.sort_unstable();
+        assert_eq!(found, kept);
+    }
+
+    #[test]
+    fn boxes_hold_what_is_below_them() {
+        let corner =
+            |i: usize, k: usize| Vec3::new((i * 37 % 101) as f32, (i * 53 % 97) as f32, (i + k) as f32) / 128.0;
+        let triangles: Vec<Triangle> = (0..100).map(|i| [corner(i, 0), corner(i, 1), corner(i + 1, 0)]).collect();
+        let kept: Vec<u32> = (0..100).collect();
+        let wide = Wide::collapse(&chain(&triangles), &kept, &triangles, 1.0);
+        let mut checked = 0;
+        for node in &wide.nodes {
+            for slot in (0..WIDTH).filter(|&slot| node.children[slot] & LEAF != 0 && node.children[slot] != u32::MAX) {
+                let leaf = &wide.leaves[(node.children[slot] & !LEAF) as usize];
+                for &index in leaf.triangles.iter().filter(|&&index| index != u32::MAX) {
+                    for (axis, vertex) in triangles[index as usize].iter().flat_map(|v| [(0, v.x), (1, v.y), (2, v.z)])
+                    {
+                        assert!(node.planes[2 * axis][slot] < vertex && vertex < node.planes[2 * axis + 1][slot]);
+                        checked += 1;
+                    }
+                }
+            }
+        }
+        assert_eq!(checked, 100 * 9);
     }
 }
