@@ -75,11 +75,15 @@ fn has_area(triangle: &Triangle) -> bool {
     cross.is_finite() && cross != DVec3::ZERO
 }
 
-/// The power of two that takes a magnitude into [1/2, 1).
+/// The power of two that takes a magnitude into [1/2, 1); for magnitudes below the normal numbers of f32 the largest one
+/// that f32 holds.
 fn unit_scale(magnitude: f32) -> f64 {
     let exponent = f64::from(magnitude).log2().floor() + 1.0;
-    (-exponent).exp2()
+    (-exponent).exp2().min(SCALE_MAX)
 }
+
+/// 2¹²⁶.
+const SCALE_MAX: f64 = (1u128 << 126) as f64;
 
 /// PLOC, subtrees of up to [`WIDTH`] triangles made leaves, and reinsertion; in stored coordinates. Leaves count through
 /// `kept`.
