@@ -1,7 +1,8 @@
 //! Chooses the smallest size by measurement, with a certificate of what was tried.
 
+use super::bias::{measured, unmeasured};
 use super::fitted::{predict, predicted_bound};
-use super::judge::{Judge, Verdict, bias_of};
+use super::judge::{Judge, Verdict};
 use super::{Bound, FilmQuestion, FittedLight, Probe, SizeGrid, smallest};
 use crate::measure::Drawn;
 use crate::methods::Prediction;
@@ -47,7 +48,7 @@ pub struct Certified {
 /// Chooses by measurement.
 pub fn certify(question: &FilmQuestion, fitted: &FittedLight, judge: &mut Judge) -> Result<Certified, RasterError> {
     let grid = grid_of(question, fitted);
-    let bias = bias_of(&question.map.bias);
+    let bias = measured(question, fitted, judge, &grid)?;
     let pixels = question.film.pixels() as f64;
     let epsilon = question.quality.epsilon();
     let mut tried: Vec<(usize, Trial)> = Vec::new();
@@ -97,7 +98,7 @@ pub fn predict_only(question: &FilmQuestion, fitted: &FittedLight) -> Certified 
     Certified {
         met: texels >= fitted.texels,
         sizes: grid.sizes(index).to_vec(),
-        bias: bias_of(&question.map.bias),
+        bias: unmeasured(&question.map.bias),
         predicted: predict(&fitted.regions, &fitted.shares, texels),
         predicted_at_quantile: predicted_at_quantile(question, fitted, texels),
         chosen: None,

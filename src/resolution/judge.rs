@@ -1,7 +1,7 @@
 //! Draws a light's maps at a size and judges every film pixel, certain and uncertain apart.
 
-use super::{BiasParams, FilmQuestion, FittedLight};
-use crate::depth::{CONSTANT_F32, DepthError, DepthRow, fit_row, kept_points};
+use super::{FilmQuestion, FittedLight};
+use crate::depth::{DepthError, DepthRow, fit_row, kept_points};
 use crate::measure::{Counts, Drawn, Receivers, wrong};
 use crate::methods::Region;
 use crate::raster::{Bias, Canvas, RasterError};
@@ -192,14 +192,5 @@ impl<'a> Judge<'a> {
             edge.retain(|i| still_wrong.binary_search(i).is_ok());
         }
         Ok((wrong.len() - edge.len()) as u64)
-    }
-}
-
-/// The bias that the user asks for, or the default.
-pub(super) fn bias_of(params: &BiasParams) -> Bias {
-    Bias {
-        constant: params.constant.unwrap_or(CONSTANT_F32),
-        slope: params.slope,
-        clamp: params.clamp.unwrap_or(f64::INFINITY),
     }
 }

@@ -1,5 +1,6 @@
 //! The smallest size that meets epsilon, by predicting and measuring.
 
+mod bias;
 mod certify;
 mod fitted;
 mod judge;

@@ -125,21 +125,17 @@ impl Default for MapParams {
 
 /// `[map.bias]`: stored depth = depth + constant + min(slope * max(|z_u|, |z_v|), clamp), in window depth, where z_u
 /// and z_v are the caster's depth slopes per texel.
-#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct BiasParams {
     /// Window depth, at least 0. Absent = a few steps of f32 depth, chosen per map.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub constant: Option<f64>,
-    /// Factor on the larger depth slope per texel, at least 0. 1 covers half a texel in both directions.
-    pub slope: f64,
+    /// Factor on the larger depth slope per texel, at least 0. 1 covers half a texel in both directions on a flat
+    /// surface. Absent = the best of a few by measurement, per light and frame.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub slope: Option<f64>,
     /// Largest slope part, window depth, above 0. Absent = none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub clamp: Option<f64>,
-}
-
-impl Default for BiasParams {
-    fn default() -> Self {
-        Self { constant: None, slope: 1.0, clamp: None }
-    }
 }

@@ -57,7 +57,9 @@ pub(super) fn map(map: &MapParams) -> Result<(), Problem> {
     if let Some(constant) = bias.constant {
         require(constant >= 0.0 && constant.is_finite(), "map.bias.constant", constant, at_least_0)?;
     }
-    require(bias.slope >= 0.0 && bias.slope.is_finite(), "map.bias.slope", bias.slope, at_least_0)?;
+    if let Some(slope) = bias.slope {
+        require(slope >= 0.0 && slope.is_finite(), "map.bias.slope", slope, at_least_0)?;
+    }
     if let Some(clamp) = bias.clamp {
         require(clamp > 0.0 && clamp.is_finite(), "map.bias.clamp", clamp, "a finite number above 0")?;
     }

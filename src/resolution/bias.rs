@@ -1,0 +1,48 @@
+//! The bias a light's maps are drawn with: as the job says, or the best of a few slopes by measurement.
+
+use super::judge::Judge;
+use super::{BiasParams, FilmQuestion, FittedLight, SizeGrid};
+use crate::depth::CONSTANT_F32;
+use crate::raster::{Bias, RasterError};
+
+/// Slope factors that are measured. 1 is exact for a plane (the receiver and the texel centre on one surface); finely
+/// tessellated surfaces bend within a texel and want more (a scanned scene 35 % fewer wrong pixels at 2 than at 1), thin
+/// casters want little. The first is used where nothing is measured.
+const SLOPES: [f64; 4] = [1.5, 1.0, 2.0, 3.0];
+
+/// The bias of a job, with a slope where it gives none.
+pub(super) fn bias_with(params: &BiasParams, slope: f64) -> Bias {
+    Bias {
+        constant: params.constant.unwrap_or(CONSTANT_F32),
+        slope: params.slope.unwrap_or(slope),
+        clamp: params.clamp.unwrap_or(f64::INFINITY),
+    }
+}
+
+/// The bias where nothing is measured.
+pub(super) fn unmeasured(params: &BiasParams) -> Bias {
+    bias_with(params, SLOPES[0])
+}
+
+/// The bias with fewest wrong pixels at the predicted size; ties go to the earlier slope.
+pub(super) fn measured(
+    question: &FilmQuestion,
+    fitted: &FittedLight,
+    judge: &mut Judge,
+    grid: &SizeGrid,
+) -> Result<Bias, RasterError> {
+    if question.map.bias.slope.is_some() {
+        return Ok(unmeasured(&question.map.bias));
+    }
+    let sizes = grid.sizes(grid.at_least(fitted.texels)).to_vec();
+    let mut best: Option<(usize, Bias)> = None;
+    for slope in SLOPES {
+        let bias = bias_with(&question.map.bias, slope);
+        let drawn = judge.draw(&sizes, bias)?;
+        let wrong = judge.wrong(&drawn).len();
+        if best.is_none_or(|b| wrong < b.0) {
+            best = Some((wrong, bias));
+        }
+    }
+    Ok(best.map_or_else(|| unmeasured(&question.map.bias), |b| b.1))
+}
