@@ -7,9 +7,9 @@ mod params;
 mod search;
 mod sizes;
 
-pub use certify::{Certified, Trial, UNCERTAIN_SLACK, certify, predict_only};
+pub use certify::{Certified, Trial, certify, predict_only};
 pub use fitted::{FilmQuestion, FittedLight, fit_light};
-pub use judge::{EDGE_ON_DEGREES, Judge, JudgedMap, Verdict};
+pub use judge::{Judge, JudgedMap};
 pub use params::{AspectRule, BiasParams, Bound, MapParams, Measure, QualityParams, SIZE_MAX};
 pub use search::{Probe, smallest};
 pub use sizes::SizeGrid;
