@@ -21,6 +21,7 @@ pub mod math;
 pub mod measure;
 pub mod methods;
 pub mod metric;
+pub mod picture;
 pub mod plan;
 pub mod raster;
 pub mod resolution;

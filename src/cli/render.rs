@@ -18,6 +18,14 @@ use super::signals::Signals;
 Example:
   lixel render shot.toml --frame 12 -o frame12
 
+NAME below is a light's name; maps of a light with several are numbered.
+  shaded.png        all lights with exact shadows
+  NAME.shadow.png   exact shadow (brown), edge samples as dots, hue = the way to their lit side
+  NAME.error.png    red: wrongly lit, blue: wrongly in shadow, yellow: uncertain
+  NAME.map.png      nearer is brighter; orange and green: looked up by pixels in shadow and lit
+  NAME.map.exr      Z, window depth as stored, top row first
+  seen.exr          Z, N, and per light faces, shadow, edge, false_lit, false_shadow, uncertain
+
 Exit codes: 0 done, 1 failure, 2 bad input, 130/143 stopped.")]
 pub(super) struct RenderArgs {
     /// A job file (.toml), or a scene with its camera and lights (.gltf, .glb, .obj)
@@ -28,6 +36,9 @@ pub(super) struct RenderArgs {
     /// Folder for the pictures, made if it is not there
     #[arg(long, short, value_name = "DIR")]
     output: PathBuf,
+    /// Plan and show only this light
+    #[arg(long, value_name = "NAME")]
+    light: Option<String>,
     #[command(flatten)]
     job: JobFlags,
 }
@@ -38,7 +49,7 @@ pub(super) fn run(args: &RenderArgs, quiet: bool, signals: &Signals) -> Result<E
         let bar = Bar::new(quiet);
         let watch =
             Watch { progress: &|p| bar.show(p), cancel: signals.cancel(), notes: &|text| report::remark(quiet, text) };
-        lixel::plan::render(&job, args.frame, &args.output, &watch)?
+        lixel::plan::render(&job, args.frame, args.light.as_deref(), &args.output, &watch)?
     };
     if !quiet {
         for file in files {

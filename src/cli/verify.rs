@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
-use lixel::plan::{Verification, Watch};
+use lixel::plan::{Outcome, Verification, Watch};
 
 use super::exit::{FAILED, Failure, MET};
 use super::progress::Bar;
@@ -56,34 +56,43 @@ fn json(found: &Verification) -> Result<String, Failure> {
 /// One row a light, then what does not hold.
 fn table(found: &Verification) -> String {
     let mut text = String::new();
-    let mut row = |cells: [&str; 8]| {
-        let [frame, light, maps, texels, planned, measured, uncertain, verdict] = cells;
+    let mut row = |cells: [&str; 9]| {
+        let [frame, light, maps, size, planned, measured, uncertain, epsilon, verdict] = cells;
         // Writing to a String does not fail.
         let _ = writeln!(
             text,
-            "{frame:>6}  {light:<20} {maps:>4} {texels:>10} {planned:>8} {measured:>8} {uncertain:>9}  {verdict}"
+            "{frame:>6}  {light:<20} {maps:>4} {size:>11} {planned:>8} {measured:>8} {uncertain:>9} {epsilon:>8}  {verdict}"
         );
     };
     if !found.lights.is_empty() {
-        row(["frame", "light", "maps", "texels", "planned", "measured", "uncertain", ""]);
+        row(["frame", "light", "maps", "size", "planned", "measured", "uncertain", "epsilon", "verdict"]);
     }
     for light in &found.lights {
         row([
             &light.frame.to_string(),
             &light.light,
-            &light.maps.to_string(),
-            &light.texels.to_string(),
+            &light.sizes.len().to_string(),
+            // Several maps of a light scale together: the first one's size stands for all.
+            &light.sizes.first().map_or("-".to_owned(), |[w, h]| format!("{w}x{h}")),
             &light.planned.map_or("-".to_owned(), |n| n.to_string()),
             &light.measured.to_string(),
             &light.uncertain.to_string(),
-            if light.passed { "holds" } else { "BROKEN" },
+            &light.epsilon.to_string(),
+            match light.outcome {
+                Outcome::Holds => "holds",
+                Outcome::NotMet => "NOT MET",
+                Outcome::Broken => "BROKEN",
+            },
         ]);
     }
-    let broken =
-        found.lights.iter().filter_map(|l| Some((format!("frame {}, {}", l.frame, l.light), l.reason.as_ref()?)));
-    let files = found.inputs.iter().filter_map(|i| Some((i.path.clone(), i.reason.as_ref()?)));
-    for (what, reason) in files.chain(broken) {
-        text += &format!("{what}: {reason}\n");
+    let files = found.inputs.iter().filter_map(|i| Some(format!("{}: {}", i.path, i.reason.as_ref()?)));
+    let lights = found
+        .lights
+        .iter()
+        .flat_map(|l| l.reasons.iter().map(move |reason| format!("frame {}, {}: {reason}", l.frame, l.light)));
+    for line in files.chain(found.problems.iter().cloned()).chain(lights) {
+        text += &line;
+        text.push('\n');
     }
     text + if found.passed { "the plan holds\n" } else { "the plan does NOT hold\n" }
 }

@@ -1,11 +1,13 @@
-//! Small geometry used by several stages: hulls, homographies, boxes, the light plane.
+//! Small geometry used by several stages: hulls, homographies, boxes, the light plane, the points of a map.
 
 mod bounds;
+mod domain;
 mod hull;
 mod light_space;
 mod matrix;
 
 pub use bounds::Bounds;
+pub use domain::Domain;
 pub use hull::{convex_hull, support_subset};
 pub use light_space::{LightSpace, LightSpaceError};
 pub use matrix::{Rows4, apply, det3, matrix_from_rows, rows_of};

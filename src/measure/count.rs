@@ -5,7 +5,7 @@
 //! to f32, is greater than the stored depth.
 
 use super::Receivers;
-use crate::methods::Domain;
+use crate::math::Domain;
 use crate::raster::DepthMap;
 use glam::{DMat4, DVec3};
 use rayon::prelude::*;

@@ -1,8 +1,10 @@
 //! (scene view, light, maps) → wrong pixels against exact visibility. Takes maps, not a plan; shares no metric, sample or
 //! fit with what it judges.
 
+mod certainty;
 mod count;
 mod receivers;
 
+pub use certainty::{Certainty, EDGE_ON_DEGREES, UNCERTAIN_SLACK, Verdict};
 pub use count::{Counts, Drawn, Errors, Looked, Outside, count, look_up, wrong};
 pub use receivers::Receivers;

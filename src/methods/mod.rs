@@ -12,7 +12,7 @@ mod scene_optimal;
 mod split;
 
 pub use params::SolverParams;
-pub use region::{Domain, Prediction, Region, Report};
+pub use region::{Prediction, Region, Report};
 
 use crate::fit::{Aspect, Shape};
 use crate::math::{Bounds, LightSpaceError};

@@ -2,47 +2,10 @@
 
 use super::plane::Plane;
 use crate::fit::Termination;
-use crate::math::LightSpace;
+use crate::math::{Domain, LightSpace};
 use crate::metric::{Metric, cost, displacement, inverse_jacobian_norm2};
 use glam::{DMat3, DVec3};
 use std::sync::Arc;
-
-/// Which points look a map up.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Domain {
-    /// Every point.
-    All,
-    /// Points whose vector from the light has its largest component along one signed axis.
-    CubeFace {
-        /// Position of the light, scene space.
-        position: DVec3,
-        /// 0, 1, 2 = x, y, z.
-        axis: usize,
-        /// Positive side of the axis.
-        positive: bool,
-    },
-}
-
-impl Domain {
-    /// Whether a scene point looks this map up. On ties the lower axis wins.
-    pub fn holds(&self, point: DVec3) -> bool {
-        match *self {
-            Domain::All => true,
-            Domain::CubeFace { position, axis, positive } => {
-                let v = point - position;
-                let a = v.abs();
-                let largest = if a.x >= a.y && a.x >= a.z {
-                    0
-                } else if a.y >= a.z {
-                    1
-                } else {
-                    2
-                };
-                largest == axis && (v[axis] > 0.0) == positive
-            }
-        }
-    }
-}
 
 /// How a method came to its matrix.
 #[derive(Clone, Copy, Debug, PartialEq)]

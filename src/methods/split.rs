@@ -1,8 +1,9 @@
 //! A light among the geometry: what it has to cover fits no half-space, so its directions are split by the faces of a
 //! cube, and only the faces that hold covered points get a map (math note §1).
 
-use super::region::{Domain, Region};
+use super::region::Region;
 use super::{Inapplicable, Inputs};
+use crate::math::Domain;
 use glam::DVec3;
 
 /// Solves with one plane, or else with one plane for each needed cube face. The solver gets the view axis of a face, or
@@ -17,7 +18,7 @@ pub(super) fn by_cube_faces(
             let mut regions = Vec::new();
             for face in 0..6 {
                 let (axis, positive) = (face / 2, face % 2 == 0);
-                let domain = Domain::CubeFace { position, axis, positive };
+                let domain = Domain::CubeFace { position, axes: DVec3::AXES, axis, positive };
                 let covered: Vec<DVec3> = inputs.covered.iter().copied().filter(|p| domain.holds(*p)).collect();
                 if covered.is_empty() {
                     continue;

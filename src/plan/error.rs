@@ -12,9 +12,6 @@ use crate::scene::SceneError;
 /// Why there is no plan, or no plan file.
 #[derive(Debug, Error)]
 pub enum PlanError {
-    /// A stage that this version does not have.
-    #[error("{0} is not built yet")]
-    NotBuilt(&'static str),
     /// The files of the job, or what they hold.
     #[error(transparent)]
     Scene(#[from] SceneError),

@@ -1,16 +1,15 @@
 //! One light of one frame: from rays to an entry of the plan.
 
 use super::map_entry::{Seen, map_entry};
-use super::{Cost, LightError, LightPlan, Measured, PlanError, Predicted, SolverReport, Status, Tried};
+use super::{LightError, LightPlan, Measured, PlanError, Predicted, SolverReport, Status, Tried};
 use crate::job::Job;
 use crate::math::Bounds;
-use crate::measure::{Outside, Receivers};
+use crate::measure::{EDGE_ON_DEGREES, Outside, Receivers};
 use crate::resolution::{
-    Bound, Certified, EDGE_ON_DEGREES, FilmQuestion, FittedLight, Judge, JudgedMap, Measure, certify, fit_light,
-    polish, predict_only,
+    Bound, Certified, FilmQuestion, FittedLight, Judge, JudgedMap, Measure, certify, fit_light, polish, predict_only,
 };
 use crate::samples::{GridView, LightSamples, sample_light};
-use crate::scene::{Camera, Film, Light, LightKind, LightKindName};
+use crate::scene::{Camera, Film, Light};
 use crate::visibility::{RayOffset, Tracer, View};
 use std::time::Instant;
 
@@ -34,7 +33,7 @@ const SEEN_MAX: usize = 4096;
 /// Plans one light. `timings` adds wall time.
 pub(super) fn light_entry(stage: &FrameStage, light: &Light, job: &Job, timings: bool) -> Result<LightPlan, PlanError> {
     let start = Instant::now();
-    let mut entry = blank(light, job);
+    let mut entry = LightPlan::unplanned(light, job.quality.epsilon());
     let cover_lit = job.map.outside == Outside::Shadowed;
     let samples =
         sample_light(stage.tracer, stage.camera, stage.grid, light, stage.offset, job.sampling.refine, cover_lit);
@@ -243,32 +242,6 @@ fn seen(stage: &FrameStage, light: &Light, film: Option<&Receivers>) -> Vec<Seen
                 })
             })
             .collect(),
-    }
-}
-
-/// An entry with the light's placement and nothing planned.
-fn blank(light: &Light, job: &Job) -> LightPlan {
-    let (kind, direction, cone, range) = match light.kind {
-        LightKind::Directional { direction } => (LightKindName::Directional, Some(direction), None, None),
-        LightKind::Point { range, .. } => (LightKindName::Point, None, None, range),
-        LightKind::Spot { direction, cone_rad, range, .. } => {
-            (LightKindName::Spot, Some(direction), Some(cone_rad.to_degrees()), range)
-        }
-    };
-    LightPlan {
-        light: light.name.clone(),
-        kind,
-        direction: direction.map(|d| d.to_array()),
-        position: light.position().map(|p| p.to_array()),
-        cone_degrees: cone,
-        range,
-        status: Status::Planned,
-        reason: None,
-        epsilon: job.quality.epsilon(),
-        maps: Vec::new(),
-        error: None,
-        solver: None,
-        cost: Cost::default(),
     }
 }
 

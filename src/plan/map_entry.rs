@@ -3,8 +3,8 @@
 use super::light_camera::light_camera;
 use super::{CubeFace, Domain, MapBias, MapPlan, Witness};
 use crate::depth::bias_units;
-use crate::math::rows_of;
-use crate::methods::{self, Method};
+use crate::math::{self, rows_of};
+use crate::methods::Method;
 use crate::raster::Bias;
 use crate::resolution::JudgedMap;
 use crate::scene::Light;
@@ -62,10 +62,10 @@ pub(super) fn map_entry(
     }
 }
 
-fn domain(domain: &methods::Domain) -> Domain {
+fn domain(domain: &math::Domain) -> Domain {
     match *domain {
-        methods::Domain::All => Domain::All,
-        methods::Domain::CubeFace { position, axis, positive } => {
+        math::Domain::All => Domain::All,
+        math::Domain::CubeFace { position, axes, axis, positive } => {
             const FACES: [[CubeFace; 2]; 3] = [
                 [CubeFace::NegativeX, CubeFace::PositiveX],
                 [CubeFace::NegativeY, CubeFace::PositiveY],
@@ -73,7 +73,7 @@ fn domain(domain: &methods::Domain) -> Domain {
             ];
             Domain::CubeFace {
                 position: position.to_array(),
-                axes: DVec3::AXES.map(|a| a.to_array()),
+                axes: axes.map(|a| a.to_array()),
                 face: FACES[axis][usize::from(positive)],
             }
         }

@@ -9,6 +9,7 @@ mod light_entry;
 mod make;
 mod map_entry;
 mod read;
+mod remeasure;
 mod render;
 mod types;
 mod verify;
@@ -22,7 +23,7 @@ pub use make::make;
 pub use read::{parse, read};
 pub use render::render;
 pub use types::*;
-pub use verify::{InputCheck, LightCheck, Verification, verify};
+pub use verify::{InputCheck, LightCheck, Outcome, Verification, verify};
 pub use watch::{Progress, Stage, Watch};
 pub use write::{Dest, Format, to_text, write};
 

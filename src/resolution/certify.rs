@@ -2,14 +2,11 @@
 
 use super::bias::{measured, unmeasured};
 use super::fitted::{predict, predicted_bound};
-use super::judge::{Judge, Verdict};
+use super::judge::Judge;
 use super::{Bound, FilmQuestion, FittedLight, Probe, SizeGrid, smallest};
-use crate::measure::Drawn;
+use crate::measure::{Drawn, UNCERTAIN_SLACK, Verdict};
 use crate::methods::Prediction;
 use crate::raster::{Bias, RasterError};
-
-/// Certain and uncertain errors together may pass epsilon by this factor.
-pub const UNCERTAIN_SLACK: f64 = 1.15;
 
 /// One size that was tried.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,7 +59,7 @@ pub fn certify(question: &FilmQuestion, fitted: &FittedLight, judge: &mut Judge)
                 let certain = verdict.certain.wrong() as f64;
                 let all = certain + verdict.uncertain as f64;
                 let limit = epsilon * pixels;
-                (certain.max(all / UNCERTAIN_SLACK) / limit, certain <= limit && all <= UNCERTAIN_SLACK * limit, None)
+                (certain.max(all / UNCERTAIN_SLACK) / limit, verdict.meets(limit), None)
             }
             Bound::Displacement | Bound::Footprint => {
                 let value = measured_at_quantile(question, judge, &drawn, &wrong);

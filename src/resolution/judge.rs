@@ -2,32 +2,23 @@
 
 use super::{FilmQuestion, FittedLight};
 use crate::depth::{DepthError, DepthRow, fit_row, kept_points};
-use crate::measure::{Counts, Drawn, Receivers, wrong};
+use crate::measure::{Certainty, Drawn, Receivers, Verdict, wrong};
 use crate::methods::Region;
 use crate::raster::{Bias, Canvas, RasterError};
 use crate::scene::Geometry;
-use crate::visibility::{Answer, RayOffset, Tracer, View, answer};
+use crate::visibility::{RayOffset, Tracer, View};
 use glam::{DMat4, DVec3, DVec4};
-use rayon::prelude::*;
-use std::sync::atomic::{AtomicU8, Ordering};
-
-/// A surface within this angle of edge-on to the light has no certain answer, degrees: normals of a scanned or tessellated
-/// surface are no truer.
-pub const EDGE_ON_DEGREES: f64 = 1.0;
 
 /// Everything needed to judge one light's maps at any size.
 pub struct Judge<'a> {
     tracer: &'a Tracer<'a>,
-    view: &'a View,
     question: &'a FilmQuestion<'a>,
     receivers: &'a Receivers,
-    offset: RayOffset,
     /// Matrices and depth ranges, in the order of the regions.
     pub maps: Vec<JudgedMap>,
     /// Scratch of drawing.
     canvas: Canvas,
-    /// 0 not asked yet, 1 certain, 2 uncertain; one for each receiver.
-    certainty: Vec<AtomicU8>,
+    certainty: Certainty<'a>,
     /// Texels drawn so far.
     pub texels_drawn: u64,
     /// Triangles drawn so far.
@@ -43,15 +34,6 @@ pub struct JudgedMap {
     pub clip_from_scene: DMat4,
     /// Its depth row and range.
     pub depth: DepthRow,
-}
-
-/// What a size came to.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Verdict {
-    /// Wrong pixels with a certain exact answer.
-    pub certain: Counts,
-    /// Further wrong pixels, whose exact answer is uncertain.
-    pub uncertain: u64,
 }
 
 impl JudgedMap {
@@ -96,13 +78,11 @@ impl<'a> Judge<'a> {
     ) -> Result<Judge<'a>, DepthError> {
         let new = |region: &Region| JudgedMap::new(region.clone(), tracer.geometry(), &receivers.positions);
         let maps = fitted.regions.iter().map(new).collect::<Result<_, _>>()?;
-        let certainty = (0..receivers.len()).map(|_| AtomicU8::new(0)).collect();
+        let certainty = Certainty::new(tracer, view, question.camera, question.light, receivers, offset);
         Ok(Judge {
             tracer,
-            view,
             question,
             receivers,
-            offset,
             maps,
             canvas: Canvas::default(),
             certainty,
@@ -140,38 +120,7 @@ impl<'a> Judge<'a> {
 
     /// Certain and uncertain among wrong receivers.
     pub fn verdict(&self, wrong: &[u32]) -> Verdict {
-        let uncertain: Vec<bool> = wrong.par_iter().with_min_len(256).map(|i| self.is_uncertain(*i)).collect();
-        let mut verdict = Verdict::default();
-        for (i, uncertain) in wrong.iter().zip(uncertain) {
-            if uncertain {
-                verdict.uncertain += 1;
-            } else if self.receivers.shadowed[*i as usize] {
-                verdict.certain.false_lit += 1;
-            } else {
-                verdict.certain.false_shadow += 1;
-            }
-        }
-        verdict
-    }
-
-    /// Whether a receiver's exact answer changes under the larger offset, or it lies nearly edge-on to the light.
-    fn is_uncertain(&self, receiver: u32) -> bool {
-        let slot = &self.certainty[receiver as usize];
-        match slot.load(Ordering::Relaxed) {
-            0 => {
-                let pixel = self.receivers.pixels[receiver as usize] as usize;
-                let exact = self.receivers.shadowed[receiver as usize];
-                let uncertain = self.view.surface(self.tracer, self.question.camera, pixel).is_some_and(|surface| {
-                    let light = self.question.light;
-                    let facing = surface.normal.dot(light.towards(surface.position).normalize());
-                    let larger = answer(self.tracer, &surface, light, self.offset.uncertain());
-                    facing < EDGE_ON_DEGREES.to_radians().sin() || (larger == Answer::Shadowed) != exact
-                });
-                slot.store(1 + u8::from(uncertain), Ordering::Relaxed);
-                uncertain
-            }
-            known => known == 2,
-        }
+        self.certainty.verdict(wrong)
     }
 
     /// The receivers judged.

@@ -9,9 +9,9 @@ mod polish;
 mod search;
 mod sizes;
 
-pub use certify::{Certified, Trial, UNCERTAIN_SLACK, certify, predict_only};
+pub use certify::{Certified, Trial, certify, predict_only};
 pub use fitted::{FilmQuestion, FittedLight, fit_light};
-pub use judge::{EDGE_ON_DEGREES, Judge, JudgedMap, Verdict};
+pub use judge::{Judge, JudgedMap};
 pub use params::{AspectRule, BiasParams, Bound, MapParams, Measure, QualityParams, SIZE_MAX};
 pub use polish::polish;
 pub use search::{Probe, smallest};

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::MapPlan;
 use crate::fit::Termination;
-use crate::scene::LightKindName;
+use crate::scene::{Light, LightKind, LightKindName};
 
 /// One light in one frame.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
@@ -46,6 +46,32 @@ pub struct LightPlan {
 }
 
 impl LightPlan {
+    /// The entry of a light with its placement and nothing planned.
+    pub fn unplanned(light: &Light, epsilon: f64) -> LightPlan {
+        let (kind, direction, cone, range) = match light.kind {
+            LightKind::Directional { direction } => (LightKindName::Directional, Some(direction), None, None),
+            LightKind::Point { range, .. } => (LightKindName::Point, None, None, range),
+            LightKind::Spot { direction, cone_rad, range, .. } => {
+                (LightKindName::Spot, Some(direction), Some(cone_rad.to_degrees()), range)
+            }
+        };
+        LightPlan {
+            light: light.name.clone(),
+            kind,
+            direction: direction.map(|d| d.to_array()),
+            position: light.position().map(|p| p.to_array()),
+            cone_degrees: cone,
+            range,
+            status: Status::Planned,
+            reason: None,
+            epsilon,
+            maps: Vec::new(),
+            error: None,
+            solver: None,
+            cost: Cost::default(),
+        }
+    }
+
     /// True when epsilon holds: with its maps, or because none is needed.
     pub fn met(&self) -> bool {
         match self.status {

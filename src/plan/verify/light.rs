@@ -1,0 +1,196 @@
+//! One light of one frame: measured again, and compared with what the plan says of it.
+
+use super::super::remeasure::{Remeasured, Seeing, remeasure};
+use super::super::{LightPlan, Measured, Status, Tried};
+use super::{LightCheck, Outcome, claims, witness};
+use crate::job::Job;
+use crate::measure::{EDGE_ON_DEGREES, Outside, Verdict};
+use crate::resolution::{Bound, Measure};
+use crate::scene::Light;
+
+/// Reasons listed in full; more are counted.
+const LISTED: usize = 3;
+
+/// Checks the entry of a light.
+pub(super) fn check(seeing: &Seeing, frame: i64, entry: &LightPlan, light: &Light, job: &Job) -> LightCheck {
+    let of_pixels = seeing.view.film.pixels() as u64;
+    let mut check = LightCheck {
+        frame,
+        light: entry.light.clone(),
+        sizes: entry.maps.iter().map(|m| [m.width, m.height]).collect(),
+        planned: entry.error.as_ref().and_then(|e| e.measured.as_ref()).map(|m| m.misclassified),
+        measured: 0,
+        uncertain: 0,
+        of_pixels,
+        epsilon: entry.epsilon,
+        witnesses_held: 0,
+        witnesses: entry.maps.iter().map(|m| m.witnesses.len() as u64).sum(),
+        outcome: Outcome::Broken,
+        reasons: Vec::new(),
+    };
+    check.reasons.extend(claims::of_a_light(entry, light));
+    if entry.epsilon != job.quality.epsilon() {
+        check.reasons.push(format!("epsilon is {}, {} in the job", entry.epsilon, job.quality.epsilon()));
+    }
+    let measured = match remeasure(seeing, light, &entry.maps, job.map.outside) {
+        Ok(measured) => measured,
+        Err(error) => {
+            check.reasons.push(error.to_string());
+            return check;
+        }
+    };
+    check.measured = measured.verdict.certain.wrong();
+    check.uncertain = measured.verdict.uncertain;
+    check.reasons.extend(status_faults(entry, &measured, job));
+    check.reasons.extend(count_faults(seeing, entry, &measured.verdict, of_pixels, job));
+    let faults: Vec<String> = entry
+        .maps
+        .iter()
+        .flat_map(|map| map.witnesses.iter().filter_map(|w| witness::fault(seeing, light, map, w)))
+        .collect();
+    check.witnesses_held = check.witnesses - faults.len() as u64;
+    let more = faults.len().saturating_sub(LISTED);
+    check.reasons.extend(faults.into_iter().take(LISTED));
+    if more > 0 {
+        check.reasons.push(format!("{more} more witnesses do not hold"));
+    }
+    settle(&mut check, entry, &measured.verdict, job);
+    check
+}
+
+/// Whether the status is one that film-resolution visibility allows, and goes with the maps and flags beside it.
+fn status_faults(entry: &LightPlan, measured: &Remeasured, job: &Job) -> Vec<String> {
+    let mut faults = Vec::new();
+    let receivers = &measured.receivers;
+    let shadowed = receivers.shadowed_count();
+    let needed = if job.map.outside == Outside::Lit { shadowed } else { receivers.len() as u64 - shadowed };
+    let has_maps = matches!(entry.status, Status::Planned | Status::NotMet);
+    if has_maps == entry.maps.is_empty() || has_maps != entry.error.is_some() {
+        faults.push(format!("status {:?} does not go with {} maps", entry.status, entry.maps.len()));
+    }
+    // Without measuring, the status was decided on the planning grid; the bound alone judges it.
+    if job.quality.measure == Measure::Always {
+        let found = match (receivers.is_empty(), needed) {
+            (true, _) => Some(Status::Unlit),
+            (false, 0) => Some(Status::NoVisibleShadow),
+            _ => None,
+        };
+        let says = matches!(entry.status, Status::Unlit | Status::NoVisibleShadow).then_some(entry.status);
+        if found != says {
+            faults.push(format!(
+                "status is {:?}, but {} pixels face the light and a map is needed for {needed} of them",
+                entry.status,
+                receivers.len()
+            ));
+        }
+    }
+    if let Some(error) = &entry.error
+        && error.met != (entry.status == Status::Planned)
+    {
+        faults.push(format!("error.met is {}, but the status is {:?}", error.met, entry.status));
+    }
+    faults
+}
+
+/// Compares every measured number of the plan, and the certificate of the chosen size with the sizes tried.
+fn count_faults(seeing: &Seeing, entry: &LightPlan, now: &Verdict, of_pixels: u64, job: &Job) -> Vec<String> {
+    let mut faults = Vec::new();
+    let Some(error) = &entry.error else { return faults };
+    let Some(plan) = &error.measured else {
+        if job.quality.measure == Measure::Always {
+            faults.push("error.measured is missing, and the job measures".to_owned());
+        }
+        return faults;
+    };
+    let counts = [
+        ("misclassified", plan.misclassified, now.certain.wrong()),
+        ("false_lit", plan.false_lit, now.certain.false_lit),
+        ("false_shadow", plan.false_shadow, now.certain.false_shadow),
+        ("uncertain", plan.uncertain, now.uncertain),
+        ("of_pixels", plan.of_pixels, of_pixels),
+        ("edge + self_shadow", plan.edge.saturating_add(plan.self_shadow), now.certain.wrong() + now.uncertain),
+    ];
+    for (key, planned, found) in counts {
+        if planned != found {
+            faults.push(format!("{key} is {planned} in the plan, {found} measured again"));
+        }
+    }
+    let settings = [
+        ("ray_offset_m", plan.ray_offset_m, seeing.offset.metres),
+        ("larger_ray_offset_m", plan.larger_ray_offset_m, seeing.offset.uncertain().metres),
+        ("edge_on_degrees", plan.edge_on_degrees, EDGE_ON_DEGREES),
+    ];
+    for (key, planned, found) in settings {
+        if planned != found {
+            faults.push(format!("{key} is {planned} in the plan, {found} here"));
+        }
+    }
+    faults.extend(certificate_fault(entry, plan, error.met, of_pixels, job));
+    faults
+}
+
+/// The chosen size stands among those tried with the same counts; and of one map, when it meets, all larger ones tried
+/// meet and the next smaller one tried does not.
+fn certificate_fault(entry: &LightPlan, plan: &Measured, met: bool, of_pixels: u64, job: &Job) -> Option<String> {
+    let first = entry.maps.first()?;
+    let tried = &entry.error.as_ref()?.tried;
+    let is_chosen = |t: &Tried| {
+        [t.width, t.height] == [first.width, first.height]
+            && [t.misclassified, t.uncertain] == [plan.misclassified, plan.uncertain]
+    };
+    if !tried.iter().any(is_chosen) {
+        return Some(format!("{}x{} with these counts is not among the sizes tried", first.width, first.height));
+    }
+    if entry.maps.len() > 1 || !met || job.quality.bound != Bound::Misclassified {
+        return None;
+    }
+    let limit = job.quality.epsilon() * of_pixels as f64;
+    let meets = |t: &Tried| {
+        let certain = crate::measure::Counts { false_lit: t.misclassified, ..Default::default() };
+        Verdict { certain, uncertain: t.uncertain }.meets(limit)
+    };
+    let texels = |t: &Tried| u64::from(t.width) * u64::from(t.height);
+    if let Some(over) = tried.iter().find(|t| texels(t) > first.texels() && !meets(t)) {
+        return Some(format!("{}x{} was tried, is larger than the map, and is over", over.width, over.height));
+    }
+    let next = tried.iter().filter(|t| texels(t) < first.texels()).max_by_key(|t| texels(t));
+    next.filter(|t| meets(t)).map(|t| format!("{}x{} was tried, is smaller than the map, and meets", t.width, t.height))
+}
+
+/// The outcome, from the faults found and the bound.
+fn settle(check: &mut LightCheck, entry: &LightPlan, now: &Verdict, job: &Job) {
+    let measured = entry.error.as_ref().and_then(|e| e.measured.as_ref());
+    let at_quantile = match job.quality.bound {
+        Bound::Misclassified => None,
+        Bound::Displacement => Some(measured.and_then(|m| m.displacement)),
+        Bound::Footprint => Some(measured.and_then(|m| m.footprint)),
+    };
+    let no_map_needed = matches!(entry.status, Status::Unlit | Status::NoVisibleShadow);
+    let holds = match at_quantile {
+        None => entry.status != Status::Inapplicable && now.meets(check.epsilon * check.of_pixels as f64),
+        Some(_) if no_map_needed => now.certain.wrong() == 0,
+        Some(value) => value.is_some_and(|v| v <= check.epsilon),
+    };
+    if measured.is_some() && entry.met() != holds {
+        let word = |met: bool| if met { "met" } else { "not met" };
+        check.reasons.push(format!("the bound is {} in the plan, {} here", word(entry.met()), word(holds)));
+    }
+    check.outcome = match (check.reasons.is_empty(), holds) {
+        (false, _) => Outcome::Broken,
+        (true, true) => Outcome::Holds,
+        (true, false) => Outcome::NotMet,
+    };
+    if check.outcome == Outcome::NotMet {
+        let limit = match at_quantile {
+            None => format!("{} of {} pixels are allowed", check.epsilon * check.of_pixels as f64, check.of_pixels),
+            Some(_) => format!("{} pixels are allowed", check.epsilon),
+        };
+        check.reasons.push(match &entry.reason {
+            Some(reason) => format!("not met, as the plan says: {reason}"),
+            None => format!(
+                "the bound does not hold: {} and {} uncertain are wrong, {limit}",
+                check.measured, check.uncertain
+            ),
+        });
+    }
+}

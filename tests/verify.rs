@@ -1,0 +1,160 @@
+//! A plan that is true holds, in both formats; a plan changed in any one place does not.
+
+#![expect(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
+
+use lixel::job;
+use lixel::plan::{self, Format, Outcome, Plan, Status, Summary, Verification, Watch};
+use std::path::Path;
+use std::sync::LazyLock;
+use std::sync::atomic::AtomicBool;
+
+const NEVER: AtomicBool = AtomicBool::new(false);
+
+/// The folder that plans are relative to: that of the scene.
+fn folder() -> &'static Path {
+    Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/courtyard"))
+}
+
+fn watched<T>(work: impl FnOnce(&Watch) -> T) -> T {
+    work(&Watch { progress: &|_| (), cancel: &NEVER, notes: &|_| () })
+}
+
+/// Two frames of the courtyard, small; the spot is out of the second.
+fn plan_courtyard(overrides: &str) -> Plan {
+    let base = "[frames]\nrange = '30,80'\n[image]\nsize = [160, 90]\n[map]\nmax = 1024\nstep = 1.2\n[quality]\nepsilon = 0.03\n";
+    let job = job::load(&folder().join("courtyard.toml"), &(base.to_owned() + overrides).parse().unwrap()).unwrap();
+    watched(|watch| plan::make(&job, folder(), false, watch)).unwrap()
+}
+
+/// Planned once for all tests.
+static MEASURED: LazyLock<Plan> = LazyLock::new(|| plan_courtyard(""));
+
+fn verify(plan: &Plan) -> Verification {
+    watched(|watch| plan::verify(plan, folder(), watch)).unwrap()
+}
+
+/// Everything wrong that was found, in one text.
+fn faults(found: &Verification) -> String {
+    let inputs = found.inputs.iter().filter_map(|i| i.reason.clone());
+    let lights = found.lights.iter().filter(|l| l.outcome == Outcome::Broken).flat_map(|l| l.reasons.clone());
+    inputs.chain(found.problems.clone()).chain(lights).collect::<Vec<_>>().join("\n")
+}
+
+/// A plan with one thing changed, the summary in accord with it; what is found has to name it.
+fn broken_by(change: impl FnOnce(&mut Plan), expected: &str) {
+    let mut plan = MEASURED.clone();
+    change(&mut plan);
+    plan.summary = Summary::of(&plan.frames);
+    assert!(plan != *MEASURED, "{expected}: nothing was changed");
+    let found = verify(&plan);
+    assert!(!found.passed);
+    assert!(faults(&found).contains(expected), "`{expected}` is not in\n{}", faults(&found));
+}
+
+#[test]
+fn a_true_plan_holds_in_both_formats() {
+    assert!(MEASURED.summary.met, "{:?}", MEASURED.summary);
+    assert_eq!(MEASURED.frames[1].lights[1].status, Status::Unlit);
+    assert!(MEASURED.frames[0].lights[2].maps.len() > 1, "the lamp needs several maps");
+    for format in [Format::Json, Format::Toml] {
+        let text = plan::to_text(&MEASURED, format).unwrap();
+        let found = verify(&plan::parse(&text, format, Path::new("plan")).unwrap());
+        assert!(found.passed, "{}", faults(&found));
+        assert_eq!(found.lights.len(), 6);
+        for light in &found.lights {
+            assert_eq!(light.planned.unwrap_or(0), light.measured);
+            assert_eq!(light.witnesses_held, light.witnesses);
+        }
+        assert!(found.lights.iter().map(|l| l.measured).sum::<u64>() > 100, "errors there are, only not too many");
+    }
+}
+
+#[test]
+fn a_plan_that_was_not_measured_is_measured_and_judged_by_epsilon() {
+    let plan = plan_courtyard("measure = 'never'\n");
+    assert!(plan.frames[0].lights[0].error.as_ref().unwrap().measured.is_none());
+    let found = verify(&plan);
+    assert_eq!(faults(&found), "");
+    for light in &found.lights {
+        let limit = 0.03 * 160.0 * 90.0;
+        let meets = light.measured as f64 <= limit && (light.measured + light.uncertain) as f64 <= 1.15 * limit;
+        assert_eq!(light.outcome == Outcome::Holds, meets, "{light:?}");
+    }
+    assert!(found.lights.iter().any(|l| l.measured > 0));
+    assert_eq!(found.passed, found.lights.iter().all(|l| l.outcome == Outcome::Holds));
+}
+
+#[test]
+fn a_bound_that_the_plan_says_is_not_met_is_told_apart_from_a_broken_plan() {
+    let found = verify(&plan_courtyard("[map.bias]\nconstant = 0.0\nslope = 0.0\n"));
+    assert_eq!(faults(&found), "");
+    let sun = &found.lights[0];
+    assert_eq!(sun.outcome, Outcome::NotMet, "without bias a lit floor shadows itself: {sun:?}");
+    assert!(!found.passed && sun.reasons[0].starts_with("not met, as the plan says: "), "{:?}", sun.reasons);
+}
+
+#[test]
+fn changed_maps_are_found() {
+    broken_by(|p| p.frames[0].lights[0].maps[0].clip_from_world[0][3] += 0.5, "misclassified is ");
+    broken_by(|p| p.frames[0].lights[0].maps[0].clip_from_world[0][0] *= 1.0 + 1e-12, "the matrix gives");
+    broken_by(|p| p.frames[0].lights[0].maps[0].width -= 1, "misclassified is ");
+    broken_by(|p| p.frames[0].lights[0].maps[0].height = 1 << 20, "cannot be drawn");
+    broken_by(|p| p.frames[0].lights[0].maps[0].bias.slope = 0.0, "misclassified is ");
+    broken_by(|p| p.frames[0].lights[2].maps.swap(0, 1), "sizes tried");
+    broken_by(|p| p.frames[0].lights[2].maps[0].domain = plan::Domain::All, "misclassified is ");
+    broken_by(|p| p.frames[0].lights[2].maps.truncate(1), "misclassified is ");
+}
+
+#[test]
+fn changed_claims_are_found() {
+    let measured = |p: &mut Plan, change: fn(&mut plan::Measured)| {
+        change(p.frames[0].lights[0].error.as_mut().unwrap().measured.as_mut().unwrap());
+    };
+    broken_by(|p| measured(p, |m| m.misclassified -= 1), "misclassified is ");
+    broken_by(|p| measured(p, |m| m.false_lit += 1), "false_lit is ");
+    broken_by(|p| measured(p, |m| m.uncertain += 1), "uncertain is ");
+    broken_by(|p| measured(p, |m| m.self_shadow += 1), "edge + self_shadow is ");
+    broken_by(|p| measured(p, |m| m.ray_offset_m *= 2.0), "ray_offset_m is ");
+    broken_by(|p| p.frames[0].lights[0].error.as_mut().unwrap().met = false, "error.met is false");
+    broken_by(|p| p.frames[0].lights[0].error.as_mut().unwrap().tried.clear(), "is not among the sizes tried");
+    broken_by(|p| p.frames[0].lights[0].epsilon = 0.5, "epsilon is 0.5, 0.03 in the job");
+    broken_by(
+        |p| {
+            let sun = &mut p.frames[0].lights[0];
+            (sun.status, sun.error) = (Status::NoVisibleShadow, None);
+            sun.maps.clear();
+        },
+        "status is NoVisibleShadow, but ",
+    );
+    broken_by(|p| p.frames[1].lights[1].status = Status::NoVisibleShadow, "but 0 pixels face the light");
+}
+
+#[test]
+fn changed_witnesses_are_found() {
+    broken_by(|p| p.frames[0].lights[0].maps[0].witnesses[0].uv[0] += 1e-9, "the matrix gives");
+    broken_by(|p| p.frames[0].lights[0].maps[0].witnesses[0].depth += 1e-9, "the matrix gives");
+    for (light, map, witness) in [(0, 0, 0), (0, 0, 9), (2, 0, 0), (2, 1, 1)] {
+        let flip = |p: &mut Plan| {
+            let witness = &mut p.frames[0].lights[light].maps[map].witnesses[witness];
+            witness.shadowed = !witness.shadowed;
+        };
+        broken_by(flip, " exactly");
+    }
+}
+
+#[test]
+fn changed_frames_and_inputs_are_found() {
+    broken_by(|p| p.frames[0].camera.clip_from_world[1][3] += 1e-6, "not the matrix of the scene's camera");
+    broken_by(|p| p.frames[0].camera.width = 161, "the film is 161x90 in the plan, 160x90 in the job");
+    broken_by(|p| p.frames[0].lights[0].direction = Some([0.0, -1.0, 0.0]), "are not those of the scene's light");
+    broken_by(|p| p.frames.truncate(1), "the plan has frames [30], its job asks for [30, 80]");
+    broken_by(|p| p.frames[1].lights.truncate(1), "the plan has lights [\"sun\"], ");
+    broken_by(|p| p.origin = [1.0, 0.0, 0.0], "origin is [1.0, 0.0, 0.0] in the plan");
+    broken_by(|p| p.job.inputs[0].sha256 = "00".repeat(32), "not what the plan was made from");
+    broken_by(|p| p.job.inputs.clear(), "the plan has no hash of it");
+    broken_by(|p| p.job.job.quality.epsilon = Some(2.0), "job.quality.epsilon: ");
+
+    let mut plan = MEASURED.clone();
+    plan.summary.texels -= 1;
+    assert!(faults(&verify(&plan)).contains("summary"));
+}
