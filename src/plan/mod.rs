@@ -18,6 +18,7 @@ mod write;
 pub use conventions::Conventions;
 pub use error::PlanError;
 pub use inputs::{Input, hash_inputs, relative_path, sha256_hex};
+pub(crate) use make::load_shot;
 pub use make::make;
 pub use read::{parse, read};
 pub use render::render;

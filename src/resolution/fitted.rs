@@ -123,7 +123,7 @@ fn holds(regions: &[Region], point: DVec3) -> bool {
 }
 
 /// The best split of a budget: in proportion to c^(2/3), c the error at unit budget (math note §6).
-fn shares(regions: &[Region]) -> Vec<f64> {
+pub fn shares(regions: &[Region]) -> Vec<f64> {
     let parts: Vec<f64> =
         regions.iter().map(|r| r.predict(FIRST_TEXELS).unsaturated.max(f64::MIN_POSITIVE).powf(2.0 / 3.0)).collect();
     let sum: f64 = parts.iter().sum();
@@ -135,7 +135,7 @@ fn shares(regions: &[Region]) -> Vec<f64> {
 }
 
 /// The prediction of all regions at a number of texels in all.
-pub(super) fn predict(regions: &[Region], shares: &[f64], texels: f64) -> Prediction {
+pub fn predict(regions: &[Region], shares: &[f64], texels: f64) -> Prediction {
     regions.iter().zip(shares).fold(Prediction::default(), |sum, (region, share)| {
         let p = region.predict(texels * share);
         Prediction { misclassified: sum.misclassified + p.misclassified, unsaturated: sum.unsaturated + p.unsaturated }
