@@ -10,19 +10,25 @@
 
 mod budget;
 mod entry;
+mod files;
+mod glyphs;
 mod hemisphere;
 mod params;
+mod picture;
 mod prng;
 mod run;
+mod scatter;
 mod statistics;
 mod summary;
 mod table;
 mod types;
 mod workers;
 
+pub use files::{SCHEMA, csv, json, write_file};
 pub use hemisphere::random_hemisphere;
 pub use params::{BIAS_GRID, BiasChoice, CompareParams, Question, all_methods, name_of};
 pub use run::compare;
+pub use scatter::scatter;
 pub use summary::{Correlation, MethodSummary, Ratio, Summary, Worst, summarise};
 pub use table::table;
 pub use types::{CaseLight, Comparison, Measured, MethodRows, PerLight, TexelsFor};

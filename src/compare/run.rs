@@ -1,6 +1,8 @@
 //! Frames and lights of a comparison.
 
 use super::entry::{Case, Mask, entry};
+use super::files::write_file;
+use super::picture::{self, Column};
 use super::{CaseLight, CompareParams, Comparison, MethodRows, PerLight, Question, budget, name_of, workers};
 use crate::job::{Job, LoadedJob};
 use crate::math::Bounds;
@@ -9,6 +11,7 @@ use crate::plan::{PlanError, Stage, Watch, load_shot};
 use crate::samples::{Grid, GridView, sample_light};
 use crate::scene::{Camera, Film, Geometry, Light};
 use crate::visibility::{Bvh, RayOffset, Tracer, View, see};
+use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
@@ -60,7 +63,7 @@ pub fn compare(loaded: &LoadedJob, params: &CompareParams, watch: &Watch) -> Res
         watch.step(Stage::Lights, done.load(Ordering::Relaxed), total)?;
         cases.extend(workers::each(frame.lights.len(), |i| {
             watch.check()?;
-            let case = light(&stage, &frame.lights[i], job, params, watch)?;
+            let case = light(&stage, i, &frame.lights[i], job, params, watch)?;
             watch.step(Stage::Lights, done.fetch_add(1, Ordering::Relaxed) + 1, total)?;
             Ok::<_, PlanError>(case)
         })?);
@@ -71,6 +74,7 @@ pub fn compare(loaded: &LoadedJob, params: &CompareParams, watch: &Watch) -> Res
 /// All methods on one light.
 fn light(
     stage: &FrameStage,
+    number: usize,
     light: &Light,
     job: &Job,
     params: &CompareParams,
@@ -131,7 +135,38 @@ fn light(
             masks.push(mask);
         }
     }
+    if let Some(dir) = &params.pictures {
+        strip(&given, number, &rows, &masks, params, dir)?;
+    }
     Ok((case, rows))
+}
+
+/// Writes the picture of a light: a column for each method.
+fn strip(
+    case: &Case,
+    number: usize,
+    rows: &[PerLight],
+    masks: &[Mask],
+    params: &CompareParams,
+    dir: &Path,
+) -> Result<(), PlanError> {
+    let title = |row: &PerLight, method: &str| match &row.measured {
+        Some(measured) => format!("{method} {}", measured.misclassified),
+        None => format!("{method} does not apply"),
+    };
+    let columns: Vec<Column> = (0..rows.len())
+        .map(|k| Column { title: title(&rows[k], &name_of(params.methods[k])), mask: &masks[k] })
+        .collect();
+    let path = dir.join(picture_name(case.frame, number, &case.light.name));
+    let failed = |source| PlanError::Write { dest: path.display().to_string(), source };
+    write_file(&path, &picture::strip(case, &columns).map_err(failed)?)
+}
+
+/// Frame, place in the list of lights, and as much of the light's name as a file name may hold.
+fn picture_name(frame: i64, number: usize, light: &str) -> String {
+    let plain = |c: char| if c.is_alphanumeric() || c == '-' { c } else { '_' };
+    let name: String = light.chars().take(64).map(plain).collect();
+    format!("frame{frame:04}-{number:03}-{name}.png")
 }
 
 /// Rows by light to rows by method.

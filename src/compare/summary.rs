@@ -137,10 +137,8 @@ pub fn summarise(comparison: &Comparison) -> Summary {
             not_met: rows().filter(|r| r.needed.is_some_and(|n| !n.met)).count() as u64,
             solve_seconds: method.per_light.iter().map(|r| r.solve_seconds).sum::<f64>() / compared,
             seconds: method.seconds,
-            predicted: correlation(&rows().map(|r| (r.predicted, r.misclassified as f64)).collect::<Vec<_>>()),
-            unsaturated: correlation(
-                &rows().map(|r| (r.predicted_unsaturated, r.misclassified as f64)).collect::<Vec<_>>(),
-            ),
+            predicted: correlation(rows(), |r| r.predicted),
+            unsaturated: correlation(rows(), |r| r.predicted_unsaturated),
         }
     };
     Summary {
@@ -164,11 +162,14 @@ fn ratio(pairs: &[(f64, f64)]) -> Ratio {
     Ratio { of_sums: ratio_of_sums(pairs), interval: interval(pairs), quartiles }
 }
 
-/// Pairs are (predicted, measured).
-fn correlation(pairs: &[(f64, f64)]) -> Correlation {
+fn correlation<'a>(
+    rows: impl Iterator<Item = &'a Measured>,
+    predicted: impl Fn(&Measured) -> Option<f64>,
+) -> Correlation {
+    let pairs: Vec<(f64, f64)> = rows.filter_map(|r| Some((predicted(r)?, r.misclassified as f64))).collect();
     let logs: Vec<(f64, f64)> =
         pairs.iter().filter(|(x, y)| *x > 0.0 && *y > 0.0).map(|(x, y)| (x.ln(), y.ln())).collect();
-    Correlation { slope: slope(pairs), r: pearson(pairs), r_log: pearson(&logs) }
+    Correlation { slope: slope(&pairs), r: pearson(&pairs), r_log: pearson(&logs) }
 }
 
 /// The worst tenth of the common lights by one method; ties by order.

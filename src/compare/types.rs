@@ -88,10 +88,12 @@ pub struct Measured {
     pub edge: u64,
     /// Further wrong pixels whose exact answer is uncertain.
     pub uncertain: u64,
-    /// Expected wrong pixels, saturating.
-    pub predicted: f64,
-    /// Expected wrong pixels without saturation.
-    pub predicted_unsaturated: f64,
+    /// Expected wrong pixels, saturating; absent when it is not finite.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub predicted: Option<f64>,
+    /// Expected wrong pixels without saturation; absent when it is not finite.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub predicted_unsaturated: Option<f64>,
     /// Texels of all maps.
     pub texels: u64,
     /// Width and height of each map.

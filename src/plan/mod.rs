@@ -25,6 +25,7 @@ pub use render::render;
 pub use types::*;
 pub use verify::{InputCheck, LightCheck, Verification, verify};
 pub use watch::{Progress, Stage, Watch};
+pub(crate) use write::write_atomically;
 pub use write::{Dest, Format, to_text, write};
 
 /// The version of the plan format that this lixel reads and writes. Keys may be added under the same name.
