@@ -271,6 +271,10 @@ fn hostile_rays_and_scenes_answer_without_panic() {
             }
         }
     }
+    let tiny = [[Vec3::ZERO, Vec3::X * 1e-40, Vec3::Y * 1e-40], [Vec3::ONE * 1e-45, Vec3::ZERO, Vec3::Z * 1e-45]];
+    let tiny_bvh = Bvh::build(&tiny);
+    let tracer = Tracer::new(Geometry { still: &tiny, moving: &[] }, &tiny_bvh, None);
+    assert!(tracer.occluded(DVec3::new(1e-41, 1e-41, 1e-40), DVec3::NEG_Z, 0.0, 1.0));
     let empty = Tracer::new(Geometry { still: &[], moving: &[] }, &none, None);
     assert!(see(&empty, &look_down(1.0), Film { width: 3, height: 3 }).depths_m.iter().all(|d| d.is_infinite()));
     assert!(see(&empty, &look_down(1.0), Film { width: 0, height: 3 }).triangles.is_empty());
@@ -284,4 +288,51 @@ fn many_equal_triangles_make_no_tree_too_deep() {
     let tracer = Tracer::new(Geometry { still: &triangles, moving: &[] }, &bvh, None);
     let hit = tracer.closest(DVec3::new(0.2, 0.2, 1.0), DVec3::NEG_Z, 0.0, 9.0);
     assert_eq!(hit.map(|h| (h.triangle, h.t)), Some((0, 1.0)));
+}
+
+#[test]
+fn any_number_of_threads_gives_the_same_film() {
+    let triangles = [square(3.0, -2.0), sphere(Vec3::ZERO, 1.5, 30)].concat();
+    let film = Film { width: 90, height: 70 };
+    let (camera, light) = (look_down(6.0), sun(DVec3::new(0.6, -1.0, 0.2)));
+    let with_threads = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            let bvh = Bvh::build(&triangles);
+            let tracer = Tracer::new(Geometry { still: &triangles, moving: &[] }, &bvh, None);
+            let view = see(&tracer, &camera, film);
+            let answers = classify(&tracer, &view, &camera, &light, RayOffset::for_scene(&tracer));
+            (view.triangles, view.depths_m, answers)
+        })
+    };
+    let one = with_threads(1);
+    assert!(one.2.contains(&Answer::Shadowed) && one.2.contains(&Answer::Lit));
+    assert_eq!(one, with_threads(4));
+}
+
+#[test]
+fn large_planes_do_not_shadow_themselves_at_grazing_light() {
+    let mut seeded = Seeded(5);
+    let mut asked = 0;
+    for _ in 0..200 {
+        let (normal, centre) = (seeded.unit(), seeded.point(300.0));
+        let (along, across) = normal.any_orthonormal_pair();
+        let corner = |a: f64, b: f64| (centre + along * a * 500.0 + across * b * 500.0).as_vec3();
+        let [a, b, c, d] = [corner(-1., -1.), corner(-1., 1.), corner(1., 1.), corner(1., -1.)];
+        let middle = corner(0.1, 0.2);
+        let triangles = [[a, b, middle], [b, c, middle], [c, d, middle], [d, a, middle]];
+        let bvh = Bvh::build(&triangles);
+        let tracer = Tracer::new(Geometry { still: &triangles, moving: &[] }, &bvh, None);
+        let offset = RayOffset::for_scene(&tracer);
+        let camera = Camera { position: centre + normal * 50.0, ..toward(-normal) };
+        for _ in 0..20 {
+            let (x, y) = (100.0 * seeded.next(), 100.0 * seeded.next());
+            let Some(surface) = surface_at(&tracer, &camera, Film { width: 100, height: 100 }, x, y) else { continue };
+            // From half a degree above the plane: rounding of the corners bends it by much less.
+            let light = sun(-(surface.normal * 0.01 + (along * seeded.next() + across * seeded.next()).normalize()));
+            assert_eq!(answer(&tracer, &surface, &light, offset), Answer::Lit);
+            asked += 1;
+        }
+    }
+    assert!(asked > 3000, "{asked} asked");
 }

@@ -54,6 +54,9 @@ fn run(workload: &Workload, rival: Option<(&std::path::Path, &str)>) -> Result<(
         let closest_ms = milliseconds(|| trace_closest(&tracer, &rays.closest, &mut closest));
         let mut any = vec![0i32; rays.any.len()];
         let any_ms = milliseconds(|| trace_any(&tracer, &rays.any, &mut any));
+        if pass == 0 {
+            println!("  answers {:016x}", fingerprint(closest.iter().chain(&any)));
+        }
         rows[1].1.push(closest_ms);
         rows[2].1.push(any_ms);
         if let Some(rival) = &mut rival {
@@ -89,6 +92,11 @@ fn trace_any(tracer: &Tracer, rays: &[Ray], answers: &mut [i32]) {
     for (ray, answer) in rays.iter().zip(answers) {
         *answer = i32::from(tracer.occluded(ray.origin(), ray.direction(), ray.t_min(), ray.t_max()));
     }
+}
+
+/// FNV-1a: the same on every machine, with every instruction set and number of threads.
+fn fingerprint<'a>(answers: impl Iterator<Item = &'a i32>) -> u64 {
+    answers.fold(0xcbf2_9ce4_8422_2325, |hash, &answer| (hash ^ u64::from(answer as u32)).wrapping_mul(0x100_0000_01b3))
 }
 
 fn milliseconds(work: impl FnOnce()) -> f64 {

@@ -14,4 +14,4 @@ pub use affine::{AffineFit, Aspect, fit_affine, refine_affine};
 pub use normalise::{Normalisation, normalise, normalise_similar};
 pub use params::{Effort, Shape};
 pub use polar::PolarPolygon;
-pub use search::{Fit, FitProblem, Termination, minimise, minimise_exhaustive, unit_square_rows};
+pub use search::{Fit, FitProblem, Termination, at, minimise, minimise_exhaustive, unit_square_rows};

@@ -144,6 +144,11 @@ pub fn minimise(problem: &FitProblem, effort: Effort, tolerance: f64, starts: &[
     Some(fit)
 }
 
+/// The best affine part of a given (a, b); `None` where it is not legal.
+pub fn at(problem: &FitProblem, ab: DVec2, tolerance: f64) -> Option<Fit> {
+    finish(problem, ab, 1, 0.0, tolerance, Termination::NothingToSearch)
+}
+
 /// The same by a dense polar grid (96 directions x 48 radii) and a simplex from each of its 24 best points: slow and
 /// simple, the yardstick of [`minimise`].
 pub fn minimise_exhaustive(problem: &FitProblem, tolerance: f64) -> Option<Fit> {

@@ -7,7 +7,7 @@
 use super::plane::Plane;
 use super::region::{Region, Report, texel_rows};
 use super::{Inapplicable, Inputs};
-use crate::fit::{Effort, Fit, FitProblem, minimise};
+use crate::fit::{Effort, Fit, FitProblem, PolarPolygon, Shape, at, minimise};
 use crate::math::LightSpace;
 use crate::metric::{Metric, Moments, cost, moments_of};
 use glam::{DVec2, DVec3};
@@ -65,6 +65,36 @@ pub(super) fn solve(inputs: &Inputs, axis: Option<DVec3>) -> Result<Region, Inap
         termination: fit.termination,
     };
     Ok(Region::new(plane, fit.rows, fit.aspect, report))
+}
+
+/// Maps near a region's own: its p4 moved by `step` of the way to the border of the legal ones in eight directions, each
+/// with the best affine part for the metric's moments at the region itself. For searches that measure.
+pub(super) fn neighbours(inputs: &Inputs, region: &Region, step: f64) -> Vec<Region> {
+    let plane = &region.plane;
+    let warp = inputs.shape == Shape::Projective || !plane.space.directional;
+    if plane.samples.is_empty() || !warp {
+        return Vec::new();
+    }
+    let rows = texel_rows(&region.rows, region.aspect, inputs.texels);
+    let moments = moments_of(&plane.samples, inputs.solver.metric, Some(&rows));
+    let problem = FitProblem {
+        moments: &moments,
+        hull: &plane.hull,
+        normalisation: &plane.normalisation,
+        aspect: inputs.aspect,
+        shape: inputs.shape,
+        directional: plane.space.directional,
+    };
+    let p4 = region.rows[2];
+    let ab = p4.truncate() / p4.z;
+    let polar = PolarPolygon::new(&plane.hull);
+    (0..8)
+        .filter_map(|k| {
+            let direction = DVec2::from_angle(std::f64::consts::FRAC_PI_4 * f64::from(k));
+            let fit = at(&problem, ab + direction * (step * polar.radius(direction)), inputs.solver.tolerance)?;
+            Some(region.moved(fit.rows, fit.aspect))
+        })
+        .collect()
 }
 
 /// The light plane of the region's cover, around a given axis or one of its own.

@@ -100,3 +100,8 @@ pub fn solve(method: Method, inputs: &Inputs) -> Result<Vec<Region>, Inapplicabl
         Method::Focused => focused::solve(region_inputs, axis),
     })
 }
+
+/// Maps near a single region's own, for searches that measure; `step` is relative to the legal range of p4.
+pub fn neighbours(inputs: &Inputs, region: &Region, step: f64) -> Vec<Region> {
+    lixel::neighbours(inputs, region, step)
+}

@@ -21,6 +21,9 @@ pub struct SolverParams {
     pub tolerance: f64,
     /// How far the search goes.
     pub effort: Effort,
+    /// Rounds of choosing between maps by measured error, each among eight neighbours of the best map so far, before the
+    /// first of which the other metrics' and methods' answers are measured too. 0 = trust the metric. At most 20.
+    pub measured_rounds: u32,
 }
 
 impl Default for SolverParams {
@@ -31,6 +34,7 @@ impl Default for SolverParams {
             rounds: 6,
             tolerance: 0.001,
             effort: Effort::default(),
+            measured_rounds: 2,
         }
     }
 }

@@ -39,6 +39,7 @@ pub(super) fn edge_samples<'a>(
 }
 
 /// A region in its light plane.
+#[derive(Debug)]
 pub(super) struct Plane {
     pub(super) space: LightSpace,
     /// Normalised hull of what is covered; at least 3 vertices.

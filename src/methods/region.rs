@@ -3,8 +3,9 @@
 use super::plane::Plane;
 use crate::fit::Termination;
 use crate::math::LightSpace;
-use crate::metric::{EdgeSamples, Metric, cost, displacement, inverse_jacobian_norm2};
+use crate::metric::{Metric, cost, displacement, inverse_jacobian_norm2};
 use glam::{DMat3, DVec3};
+use std::sync::Arc;
 
 /// Which points look a map up.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -75,10 +76,10 @@ pub struct Region {
     pub aspect: f64,
     /// How it was found.
     pub report: Report,
-    /// Edge samples, normalised, for predictions.
-    samples: EdgeSamples,
+    /// What it was fitted to.
+    pub(super) plane: Arc<Plane>,
     /// The same homography on normalised q.
-    rows: [DVec3; 3],
+    pub(super) rows: [DVec3; 3],
 }
 
 /// What the edge samples say of a map of a given size.
@@ -93,10 +94,14 @@ pub struct Prediction {
 impl Region {
     /// From rows on normalised q that take the covered hull to the unit square.
     pub(super) fn new(plane: Plane, rows: [DVec3; 3], aspect: f64, report: Report) -> Region {
-        let h = plane.normalisation.plane_homography(&DMat3::from_cols(rows[0], rows[1], rows[2]).transpose());
-        // A homography has no scale of its own: p4 of unit length keeps w in metres along the view axis.
-        let scale = 1.0 / h.row(2).length();
-        Region { domain: Domain::All, space: plane.space, h: h * scale, aspect, report, samples: plane.samples, rows }
+        let h = homography(&plane, &rows);
+        Region { domain: Domain::All, space: plane.space, h, aspect, report, plane: Arc::new(plane), rows }
+    }
+
+    /// The same region with other rows on normalised q.
+    pub(super) fn moved(&self, rows: [DVec3; 3], aspect: f64) -> Region {
+        let h = homography(&self.plane, &rows);
+        Region { h, rows, aspect, ..self.clone() }
     }
 
     /// Whether the map is a camera's: always for point and spot lights; for directional ones when p4 is constant, that is
@@ -115,26 +120,33 @@ impl Region {
     pub fn predict(&self, texels: f64) -> Prediction {
         let rows = self.texel_rows(texels);
         Prediction {
-            misclassified: cost(&self.samples, Metric::Saturating, &rows),
-            unsaturated: cost(&self.samples, Metric::Displacement, &rows),
+            misclassified: cost(&self.plane.samples, Metric::Saturating, &rows),
+            unsaturated: cost(&self.plane.samples, Metric::Displacement, &rows),
         }
     }
 
     /// Largest edge displacement, pixels, of each sample with its edge length, for a map of `texels` texels.
     pub fn displacements(&self, texels: f64) -> Vec<(f64, f64)> {
         let rows = self.texel_rows(texels);
-        (0..self.samples.len())
-            .map(|i| (displacement(&self.samples, i, &rows).largest(), self.samples.length_px[i]))
+        (0..self.plane.samples.len())
+            .map(|i| (displacement(&self.plane.samples, i, &rows).largest(), self.plane.samples.length_px[i]))
             .collect()
     }
 
     /// Root of SOSM's summand, pixels per texel, of each sample with its edge length, for a map of `texels` texels.
     pub fn footprints(&self, texels: f64) -> Vec<(f64, f64)> {
         let rows = self.texel_rows(texels);
-        (0..self.samples.len())
-            .map(|i| (inverse_jacobian_norm2(&self.samples, i, &rows).sqrt(), self.samples.length_px[i]))
+        (0..self.plane.samples.len())
+            .map(|i| (inverse_jacobian_norm2(&self.plane.samples, i, &rows).sqrt(), self.plane.samples.length_px[i]))
             .collect()
     }
+}
+
+/// The homography on q of rows on normalised q. It has no scale of its own: p4 of unit length keeps w in metres along the
+/// view axis.
+fn homography(plane: &Plane, rows: &[DVec3; 3]) -> DMat3 {
+    let h = plane.normalisation.plane_homography(&DMat3::from_cols(rows[0], rows[1], rows[2]).transpose());
+    h * (1.0 / h.row(2).length())
 }
 
 /// Unit-square rows in texels for a budget and an aspect.

@@ -7,7 +7,7 @@ use crate::math::Bounds;
 use crate::measure::{Outside, Receivers};
 use crate::resolution::{
     Bound, Certified, EDGE_ON_DEGREES, FilmQuestion, FittedLight, Judge, JudgedMap, Measure, certify, fit_light,
-    predict_only,
+    polish, predict_only,
 };
 use crate::samples::{GridView, LightSamples, sample_light};
 use crate::scene::{Camera, Film, Light, LightKind, LightKindName};
@@ -82,7 +82,7 @@ fn settle(
         solver: &job.solver,
         sample_cap: job.sampling.cap as usize,
     };
-    let fitted = match fit_light(&question, samples, film) {
+    let mut fitted = match fit_light(&question, samples, film) {
         Ok(fitted) => fitted,
         Err(reason) => {
             (entry.status, entry.reason) = (Status::Inapplicable, Some(reason.to_string()));
@@ -100,6 +100,7 @@ fn settle(
                     return Ok(());
                 }
             };
+            polish(&question, samples, &mut fitted, &mut judge)?;
             let certified = certify(&question, &fitted, &mut judge)?;
             entry.cost.texels_drawn = judge.texels_drawn;
             entry.cost.triangles_drawn = judge.triangles_drawn;

@@ -44,6 +44,36 @@ pub struct FittedLight {
     pub evaluations: u64,
     /// Film pixels that lay outside the first fit and joined the cover.
     pub joined: u64,
+    /// Scene points that the maps hold.
+    pub covered: Vec<DVec3>,
+}
+
+impl<'a> FilmQuestion<'a> {
+    /// What a method gets of this question.
+    pub fn inputs(
+        &self,
+        samples: &'a LightSamples,
+        covered: &'a [DVec3],
+        texels: f64,
+        solver: &'a SolverParams,
+    ) -> Inputs<'a> {
+        Inputs {
+            camera: self.camera,
+            film: self.film,
+            light: self.light,
+            bounds: self.bounds,
+            edges: &samples.edges,
+            covered,
+            texels,
+            aspect: match self.map.aspect {
+                AspectRule::Free if !self.map.square => Aspect::Free,
+                _ => Aspect::Fixed(1.0),
+            },
+            shape: self.map.shape,
+            solver,
+            sample_cap: self.sample_cap,
+        }
+    }
 }
 
 /// Texels that the first fit assumes.
@@ -70,23 +100,7 @@ pub fn fit_light(
     }
     let mut evaluations = 0;
     let mut fit = |covered: &[DVec3], texels: f64| -> Result<Vec<Region>, Inapplicable> {
-        let inputs = Inputs {
-            camera: question.camera,
-            film: question.film,
-            light: question.light,
-            bounds: question.bounds,
-            edges: &samples.edges,
-            covered,
-            texels,
-            aspect: match question.map.aspect {
-                AspectRule::Free if !question.map.square => Aspect::Free,
-                _ => Aspect::Fixed(1.0),
-            },
-            shape: question.map.shape,
-            solver: question.solver,
-            sample_cap: question.sample_cap,
-        };
-        let regions = solve(question.solver.method, &inputs)?;
+        let regions = solve(question.solver.method, &question.inputs(samples, covered, texels, question.solver))?;
         evaluations += regions.iter().map(|r| r.report.evaluations).sum::<u64>();
         Ok(regions)
     };
@@ -112,7 +126,7 @@ pub fn fit_light(
         regions = fit(&covered, texels)?;
     }
     let shares = shares(&regions);
-    Ok(FittedLight { regions, shares, texels, evaluations, joined })
+    Ok(FittedLight { regions, shares, texels, evaluations, joined, covered })
 }
 
 /// Whether the region that a point looks up holds it.

@@ -111,6 +111,11 @@ impl<'a> Judge<'a> {
         })
     }
 
+    /// The matrix of a region over the same receivers.
+    pub fn judged(&self, region: &Region) -> Result<JudgedMap, DepthError> {
+        JudgedMap::new(region.clone(), self.tracer.geometry(), &self.receivers.positions)
+    }
+
     /// Draws all maps at sizes with a bias.
     pub fn draw(&mut self, sizes: &[[u32; 2]], bias: Bias) -> Result<Vec<Drawn>, RasterError> {
         let mut drawn = Vec::with_capacity(self.maps.len());

@@ -27,6 +27,8 @@ pub struct Crossing {
     pub shadowed: Surface,
     /// The last position on the other side; `None` for the background.
     pub other: Option<Surface>,
+    /// The other side faces the light and is lit.
+    pub other_lit: bool,
 }
 
 /// Rays and light of one search.
@@ -64,7 +66,8 @@ impl Seeker<'_> {
             outside.2 == Answer::Lit && outside.1.is_some_and(|o| self.one_surface(&surface, inside.0, &o, outside.0));
         let kind = if edge { CrossingKind::ShadowEdge } else { CrossingKind::Discontinuity };
         let film = [(inside.0[0] + outside.0[0]) * 0.5, (inside.0[1] + outside.0[1]) * 0.5];
-        Some(Crossing { film, kind, shadowed: surface, other: outside.1 })
+        let other_lit = outside.2 == Answer::Lit;
+        Some(Crossing { film, kind, shadowed: surface, other: outside.1, other_lit })
     }
 
     /// Whether two neighbouring surfaces meet between their rays.

@@ -99,6 +99,8 @@ pub fn sample_light(
         .collect();
 
     let crossings = || across.iter().chain(&down).flatten();
+    let mut edges = edges;
+    edges.extend(crossings().flat_map(|c| ends_of_surfaces(&seeker, view, &answers, c)));
     let wanted = if cover_lit { Answer::Lit } else { Answer::Shadowed };
     let mut covered: Vec<DVec3> = view
         .surfaces
@@ -174,6 +176,44 @@ fn edge_point(seeker: &Seeker, view: &GridView, answers: &[Answer], a: &Crossing
         length_px,
         room_px: forward.0.min(backward.0),
     })
+}
+
+/// Part of the film length of a surface's end, with light on one side and shadow on the other, that counts as shadow edge
+/// on each of the two surfaces. Where small things hide one another (foliage), the edges that fall on them cross the film
+/// between grid positions. Chosen by measurement over 30 lights on the courtyard and 20 on a scanned scene, among 0, ¼, ½
+/// and 1: none loses 7 % of misclassified pixels on the first, one loses 4 % on the second.
+const END_AS_EDGE: f64 = 0.25;
+
+/// The samples of a surface's end: the direction of the edge is not known there, so two perpendicular halves stand for
+/// the mean over all directions.
+fn ends_of_surfaces(seeker: &Seeker, view: &GridView, answers: &[Answer], end: &Crossing) -> Vec<EdgePoint> {
+    if end.kind != CrossingKind::Discontinuity || !end.other_lit {
+        return Vec::new();
+    }
+    let grid = view.grid;
+    let step = f64::from(grid.film.width.max(grid.film.height)) / f64::from(grid.columns.max(grid.rows));
+    // A line crosses 4/π grid sides per grid step of its length.
+    let length_px = step * std::f64::consts::FRAC_PI_4 * END_AS_EDGE * 0.5;
+    let mut points = Vec::with_capacity(4);
+    for surface in [Some(end.shadowed), end.other].into_iter().flatten() {
+        let derivatives = surface.film_derivatives(seeker.camera, seeker.film, end.film[0], end.film[1]);
+        if !derivatives.iter().all(|d| d.is_finite()) {
+            continue;
+        }
+        for normal in [DVec2::X, DVec2::Y] {
+            let probe = |d: DVec2| room(view, answers, film(end), d).0;
+            let room_px = probe(normal).min(probe(-normal));
+            points.push(EdgePoint {
+                film: end.film,
+                position: surface.position,
+                derivatives,
+                normal,
+                length_px,
+                room_px,
+            });
+        }
+    }
+    points
 }
 
 /// Walks from an edge over the grid's answers: how far the first answer met goes on, pixels, and whether it is shadow.

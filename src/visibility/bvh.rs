@@ -1,25 +1,32 @@
 //! Triangles sorted for rays.
 //!
 //! The topology comes from `obvhs` (PLOC, Meister and Bittner 2018, then parallel reinsertion, Meister and Bittner
-//! 2018) as a binary tree over boxes; [`super::wide`] collapses it to eight children a node. Deviations: the builder is
-//! given boxes mapped to the unit cube, because areas of scenes that are large enough overflow f32 and it then panics; and
-//! a tree deeper than the traversal's stack allows is replaced by a balanced one.
+//! 2018) as a binary tree over boxes; [`super::wide`] collapses it to eight children a node.
 //!
 //! Everything is stored scaled by a power of two that takes the largest coordinate into [1/2, 1). The scaling is exact, so
-//! the answers do not depend on units, and no product of the kernel overflows or underflows.
+//! the answers do not depend on units, and neither the builder's areas nor the kernel's products overflow.
 
 use glam::{DVec3, Vec3, Vec3A};
 use obvhs::{
     aabb::Aabb,
-    bvh2::{Bvh2, reinsertion::ReinsertionOptimizer},
+    bvh2::{Bvh2, leaf_collapser::collapse, reinsertion::ReinsertionOptimizer},
     ploc::{PlocBuilder, PlocSearchDistance, SortPrecision},
 };
 
-use super::wide::Wide;
+use rayon::prelude::*;
+
+use super::wide::{WIDTH, Wide};
 use crate::scene::Triangle;
 
 /// Share of the nodes that one round of reinsertion tries to place better; 16 rounds of falling share follow.
 const REINSERTION_SHARE: f32 = 0.05;
+
+/// Rounds of PLOC that look at direct neighbours only; they find most pairs anyway.
+const PLOC_WIDE_FROM_ROUND: usize = 3;
+
+/// Cost of a node over that of a triangle, so high that every subtree small enough becomes a leaf: the kernel tests
+/// eight triangles at once for about the price of a node.
+const ALWAYS_LEAF: f32 = 1e6;
 
 /// A bounding volume hierarchy over triangles, which it copies into its own order.
 #[derive(Debug)]
@@ -44,8 +51,8 @@ impl Bvh {
             return Bvh { wide: Wide::default(), scale: 1.0, bounds: None };
         };
         let scale = unit_scale(low.abs().max_element().max(high.abs().max_element()));
-        let binary = binary_tree(triangles, &kept, low.as_dvec3(), high.as_dvec3());
-        let wide = Wide::collapse(&binary, &kept, triangles, scale);
+        let binary = binary_tree(triangles, &kept, scale as f32);
+        let wide = Wide::collapse(&binary, &kept, triangles, scale as f32);
         Bvh { wide, scale, bounds: Some([low.as_dvec3(), high.as_dvec3()]) }
     }
 
@@ -68,25 +75,30 @@ fn has_area(triangle: &Triangle) -> bool {
     cross.is_finite() && cross != DVec3::ZERO
 }
 
-/// The power of two that takes a magnitude into [1/2, 1).
+/// The power of two that takes a magnitude into [1/2, 1); for magnitudes below the normal numbers of f32 the largest one
+/// that f32 holds.
 fn unit_scale(magnitude: f32) -> f64 {
     let exponent = f64::from(magnitude).log2().floor() + 1.0;
-    (-exponent).exp2()
+    (-exponent).exp2().min(SCALE_MAX)
 }
 
-/// PLOC and reinsertion over the kept triangles; leaves hold one triangle, counted through `kept`.
-fn binary_tree(triangles: &[Triangle], kept: &[u32], low: DVec3, high: DVec3) -> Bvh2 {
-    let size = (high - low).max_element().max(f64::MIN_POSITIVE);
-    let unit = |v: Vec3| Vec3A::from(((v.as_dvec3() - low) / size).as_vec3());
-    let boxes: Vec<Aabb> = kept.iter().map(|&i| Aabb::from_points(&triangles[i as usize].map(unit))).collect();
+/// 2¹²⁶.
+const SCALE_MAX: f64 = (1u128 << 126) as f64;
+
+/// PLOC, subtrees of up to [`WIDTH`] triangles made leaves, and reinsertion; in stored coordinates. Leaves count through
+/// `kept`.
+fn binary_tree(triangles: &[Triangle], kept: &[u32], scale: f32) -> Bvh2 {
+    let stored = |v: Vec3| Vec3A::from(v * scale);
+    let boxes: Vec<Aabb> = kept.par_iter().map(|&i| Aabb::from_points(&triangles[i as usize].map(stored))).collect();
     let indices = (0..boxes.len() as u32).collect();
     let mut tree = PlocBuilder::with_capacity(boxes.len()).build(
         PlocSearchDistance::Medium,
         &boxes,
         indices,
         SortPrecision::U64,
-        3,
+        PLOC_WIDE_FROM_ROUND,
     );
+    collapse(&mut tree, WIDTH as u32, ALWAYS_LEAF);
     ReinsertionOptimizer::default().run(&mut tree, REINSERTION_SHARE, None);
     tree
 }

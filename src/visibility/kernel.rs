@@ -1,14 +1,16 @@
 //! One ray against the eight-wide tree.
 //!
 //! Boxes by slabs; triangles by the watertight test of Woop, Benthin and Wald 2013 ("Watertight ray/triangle
-//! intersection", JCGT 2(1)), eight at once. Deviations: both sides count; where an edge function rounds to zero the edge
-//! counts as inside, instead of being decided in f64 (without fused multiply-add the sign of a nonzero one is exact, so
-//! no ray slips between two triangles, and at worst both answer); and the ray's parameter is the distance along its
-//! dominant axis, which makes the shear's scale ±1.
+//! intersection", JCGT 2(1)), eight at once, with its fallback to f64 where an edge function rounds to zero. So no ray
+//! slips between two triangles that share an edge. Deviations: both sides count; the ray's parameter is the distance
+//! along its dominant axis, which makes the shear's scale ±1; and there is no fused multiply-add, which would give other
+//! answers on other machines and spoil the sign of the edge functions.
 //!
-//! Rounding, in units u = 2⁻²⁴ of the unit cube that holds all vertices and the ray's origin: vertex minus origin 2,
-//! shear 4, edge functions and the weighted depth 6, box planes minus origin 2; together less than the 32 by which boxes
-//! are grown (`wide::BOX_MARGIN`). So the slab test needs no factor of its own.
+//! Rounding, in units of u = 2⁻²⁴, for vertices in [-1, 1] and origins in [-2, 2] on every axis: vertex minus origin 2,
+//! shear 8, weighted depth 12, slab 9. The boxes are grown by twice the sum (`wide::BOX_MARGIN`), so a triangle that is
+//! called hit lies behind boxes that are called hit, and the slab test needs no factor of its own.
+
+use glam::DVec3;
 
 use super::lanes::Lanes;
 use super::ray::Ray;
@@ -85,13 +87,44 @@ impl<L: Lanes> Spread<L> {
         let v = ax.times(cy).minus(ay.times(cx));
         let w = bx.times(ay).minus(by.times(ax));
         let zero = L::splat(0.0);
-        let inside = zero.at_most(u.min(v).min(w)) | u.max(v).max(w).at_most(zero);
+        let (low, high) = (u.min(v).min(w), u.max(v).max(w));
+        let mut inside = zero.at_most(low) | high.at_most(zero);
         if inside == 0 {
             return (0, zero);
         }
         let determinant = u.plus(v).plus(w);
         let weighted = u.times(az).plus(v.times(bz)).plus(w.times(cz));
-        let t = weighted.times(self.sign).over(determinant);
+        let mut t = weighted.times(self.sign).over(determinant);
+        let on_edge = inside & low.times(high).at_most(zero);
+        if on_edge != 0 {
+            let mut exact = t.store();
+            inside &= !on_edge | decide_in_f64(ray, leaf, on_edge, &mut exact);
+            t = L::load(&exact);
+        }
         (inside & self.t_min.at_most(t) & t.at_most(L::splat(t_max)), t)
     }
+}
+
+/// Decides the lanes of a leaf in which an edge function rounded to zero: products of two f32 are exact in f64, so there
+/// the signs are. Returns those inside, and replaces their t.
+#[cold]
+fn decide_in_f64(ray: &Ray, leaf: &Leaf, lanes: u32, t: &mut [f32; WIDTH]) -> u32 {
+    let [kx, ky, kz] = ray.axes;
+    let mut inside = 0;
+    for lane in (0..WIDTH).filter(|lane| lanes >> lane & 1 == 1) {
+        // The corners in f32, exactly as the lanes have them.
+        let [a, b, c] = leaf.vertices.map(|rows| {
+            let along = rows[kz][lane] - ray.origin[kz];
+            let x = rows[kx][lane] - ray.origin[kx] - ray.shear[0] * along;
+            let y = rows[ky][lane] - ray.origin[ky] - ray.shear[1] * along;
+            DVec3::new(f64::from(x), f64::from(y), f64::from(along))
+        });
+        let edges = DVec3::new(c.x * b.y - c.y * b.x, a.x * c.y - a.y * c.x, b.x * a.y - b.y * a.x);
+        let determinant = edges.element_sum();
+        if (edges.min_element() >= 0.0 || edges.max_element() <= 0.0) && determinant != 0.0 {
+            inside |= 1 << lane;
+            t[lane] = (edges.dot(DVec3::new(a.z, b.z, c.z)) / determinant * f64::from(ray.sign)) as f32;
+        }
+    }
+    inside
 }

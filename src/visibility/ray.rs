@@ -10,6 +10,12 @@ use super::wide::BOX_MARGIN;
 /// scene sizes long for it to matter.
 const SLOPE_MIN: f32 = 1.0 / (1u64 << 60) as f32;
 
+/// Shorter directions are as good as none; their inverse would overflow.
+const LENGTH_MIN: f64 = 4.0 * f64::MIN_POSITIVE;
+
+/// Largest coordinate of an origin that is left where it is: the kernel's rounding is worked out for it.
+const ORIGIN_MAX: f64 = 2.0;
+
 /// A ray as the kernel wants it, in the unit cube of the tree's stored coordinates. Its direction has ±1 on its dominant
 /// axis, so its parameter is the distance along that axis.
 #[derive(Clone, Copy, Debug)]
@@ -50,6 +56,15 @@ impl Ray {
     }
 }
 
+/// A caller's ray: `origin + t × direction`, `t_min ≤ t ≤ t_max`, scene space.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SceneRay {
+    pub(super) origin: DVec3,
+    pub(super) direction: DVec3,
+    pub(super) t_min: f64,
+    pub(super) t_max: f64,
+}
+
 /// A caller's ray brought to a tree: `t = start + local × step`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LocalRay {
@@ -62,19 +77,20 @@ pub(super) struct LocalRay {
 }
 
 impl LocalRay {
-    /// An origin outside the tree's bounds is moved up to them in f64, so that f32 holds it to the bounds' own precision
-    /// however far away it starts. `None` when the ray passes the bounds by, or is not finite.
+    /// An origin far outside the tree is moved up to its bounds in f64, so that f32 holds it to the bounds' own precision
+    /// however far away it starts. `None` when such a ray passes the bounds by, or when a ray is not finite.
     #[inline(always)]
-    pub(super) fn new(bvh: &Bvh, origin: DVec3, direction: DVec3, [t_min, t_max]: [f64; 2]) -> Option<LocalRay> {
+    pub(super) fn new(bvh: &Bvh, scene: &SceneRay) -> Option<LocalRay> {
+        let &SceneRay { origin, direction, t_min, t_max } = scene;
         let [low, high] = bvh.bounds()?;
         let axes = axes(direction);
         let length = direction[axes[2]].abs();
-        if !(origin.is_finite() && direction.is_finite() && length >= f64::MIN_POSITIVE && t_min <= t_max) {
+        if !(origin.is_finite() && direction.is_finite() && length >= LENGTH_MIN && t_min <= t_max) {
             return None;
         }
-        let inside = origin.cmpge(low).all() && origin.cmple(high).all();
-        let start = if inside { 0.0 } else { entry(bvh, origin, direction, [t_min, t_max])? };
-        let mut unit = direction / length;
+        let near_enough = (origin.abs() * bvh.scale()).max_element() <= ORIGIN_MAX;
+        let start = if near_enough { 0.0 } else { entry([low, high], bvh.scale(), scene)? };
+        let mut unit = direction * length.recip();
         unit[axes[2]] = 1f64.copysign(direction[axes[2]]);
         let local_origin = (origin + direction * start) * bvh.scale();
         let scale = length * bvh.scale();
@@ -85,6 +101,7 @@ impl LocalRay {
 
     /// The caller's parameter where the ray meets the plane of the triangle found, in f64; kept within what the triangle
     /// spans along the ray's dominant axis, because seen edge-on its plane is met anywhere.
+    #[inline(always)]
     pub(super) fn meet(&self, bvh: &Bvh, found: &Nearest) -> f64 {
         let [a, b, c] = bvh.wide.corners(found).map(|v| v.as_dvec3() - self.origin);
         let normal = (b - a).cross(c - a);
@@ -97,17 +114,18 @@ impl LocalRay {
     }
 }
 
-/// Where the ray enters the tree's bounds, grown as its boxes are; `None` when that is not within `t_min ..= t_max`.
-#[cold]
-fn entry(bvh: &Bvh, origin: DVec3, direction: DVec3, [t_min, t_max]: [f64; 2]) -> Option<f64> {
-    let [low, high] = bvh.bounds()?;
-    let margin = DVec3::splat(f64::from(BOX_MARGIN) / bvh.scale());
+/// Where the ray enters bounds, grown as the tree's boxes are; `None` when that is not within `t_min ..= t_max`.
+#[inline(always)]
+fn entry([low, high]: [DVec3; 2], scale: f64, ray: &SceneRay) -> Option<f64> {
+    let margin = DVec3::splat(f64::from(BOX_MARGIN) / scale);
     // A component of zero gives ±∞, or NaN on the very plane, which max and min pass over.
-    let a = (low - margin - origin) / direction;
-    let b = (high + margin - origin) / direction;
-    let enter = (0..3).fold(f64::NEG_INFINITY, |t, axis| t.max(a[axis].min(b[axis])));
-    let leave = (0..3).fold(f64::INFINITY, |t, axis| t.min(a[axis].max(b[axis])));
-    (enter.max(t_min) <= leave.min(t_max) && enter.is_finite()).then_some(enter)
+    let inverse = ray.direction.recip();
+    let a = (low - margin - ray.origin) * inverse;
+    let b = (high + margin - ray.origin) * inverse;
+    let (near, far) = (a.min(b), a.max(b));
+    let enter = near.x.max(near.y).max(near.z);
+    let leave = far.x.min(far.y).min(far.z);
+    (enter.max(ray.t_min) <= leave.min(ray.t_max) && enter.is_finite()).then_some(enter)
 }
 
 /// The two lesser axes of a direction in cyclic order, and the dominant one.

@@ -1,9 +1,10 @@
 //! Chooses the lanes at run time. Both give the same answers, bit for bit.
 
-use super::lanes::Portable;
-use super::ray::Ray;
-use super::walk::{self, Nearest};
-use super::wide::Wide;
+use super::bvh::Bvh;
+use super::lanes::{Lanes, Portable};
+use super::ray::{LocalRay, SceneRay};
+use super::trace::Hit;
+use super::walk;
 
 /// Which lanes this machine has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,47 +26,100 @@ impl Simd {
         Simd::Portable
     }
 
-    /// The nearest triangle along a ray; of two equally near, the one of the lower index.
-    pub(super) fn nearest(self, tree: &Wide, ray: &Ray) -> Option<Nearest> {
+    /// The nearest triangle along a ray, of two equally near the one of the lower index, and where the ray meets it.
+    pub(super) fn closest(self, bvh: &Bvh, ray: &SceneRay) -> Option<Hit> {
         match self {
-            Simd::Portable => walk::nearest::<Portable>(tree, ray),
+            Simd::Portable => closest::<Portable>(bvh, ray),
             #[cfg(target_arch = "x86_64")]
-            Simd::Avx2 => avx2::nearest(tree, ray),
+            Simd::Avx2 => avx2::closest(bvh, ray),
         }
     }
 
     /// True when any triangle lies on the ray.
-    pub(super) fn any(self, tree: &Wide, ray: &Ray) -> bool {
+    pub(super) fn occluded(self, bvh: &Bvh, ray: &SceneRay) -> bool {
         match self {
-            Simd::Portable => walk::any::<Portable>(tree, ray),
+            Simd::Portable => occluded::<Portable>(bvh, ray),
             #[cfg(target_arch = "x86_64")]
-            Simd::Avx2 => avx2::any(tree, ray),
+            Simd::Avx2 => avx2::occluded(bvh, ray),
         }
     }
 }
 
+#[inline(always)]
+fn closest<L: Lanes>(bvh: &Bvh, ray: &SceneRay) -> Option<Hit> {
+    let local = LocalRay::new(bvh, ray)?;
+    let found = walk::nearest::<L>(&bvh.wide, &local.ray)?;
+    Some(Hit { triangle: found.triangle, t: local.meet(bvh, &found) })
+}
+
+#[inline(always)]
+fn occluded<L: Lanes>(bvh: &Bvh, ray: &SceneRay) -> bool {
+    match LocalRay::new(bvh, ray) {
+        Some(local) => walk::any::<L>(&bvh.wide, &local.ray),
+        None => false,
+    }
+}
+
+/// Each from the ray in f64 to the answer, so that nothing on the way changes between instruction sets.
 #[cfg(target_arch = "x86_64")]
 mod avx2 {
     #![expect(unsafe_code, reason = "calls functions compiled for AVX2")]
 
-    use super::{Nearest, Ray, Wide, walk};
+    use super::{Bvh, Hit, SceneRay};
     use crate::visibility::lanes::Avx2;
 
-    pub(super) fn nearest(tree: &Wide, ray: &Ray) -> Option<Nearest> {
+    pub(super) fn closest(bvh: &Bvh, ray: &SceneRay) -> Option<Hit> {
         #[target_feature(enable = "avx2")]
-        fn compiled(tree: &Wide, ray: &Ray) -> Option<Nearest> {
-            walk::nearest::<Avx2>(tree, ray)
+        fn compiled(bvh: &Bvh, ray: &SceneRay) -> Option<Hit> {
+            super::closest::<Avx2>(bvh, ray)
         }
         // SAFETY: `Simd::Avx2` is made only where AVX2 was detected.
-        unsafe { compiled(tree, ray) }
+        unsafe { compiled(bvh, ray) }
     }
 
-    pub(super) fn any(tree: &Wide, ray: &Ray) -> bool {
+    pub(super) fn occluded(bvh: &Bvh, ray: &SceneRay) -> bool {
         #[target_feature(enable = "avx2")]
-        fn compiled(tree: &Wide, ray: &Ray) -> bool {
-            walk::any::<Avx2>(tree, ray)
+        fn compiled(bvh: &Bvh, ray: &SceneRay) -> bool {
+            super::occluded::<Avx2>(bvh, ray)
         }
         // SAFETY: as above.
-        unsafe { compiled(tree, ray) }
+        unsafe { compiled(bvh, ray) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{DVec3, Vec3};
+
+    use super::*;
+    use crate::scene::Triangle;
+
+    /// A coarse grid of points, so that rays often meet edges and vertices exactly.
+    fn grid_point(state: &mut u32) -> Vec3 {
+        let mut next = || {
+            *state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (*state >> 28) as f32 / 4.0
+        };
+        Vec3::new(next(), next(), next())
+    }
+
+    #[test]
+    fn lanes_give_the_same_answers_bit_for_bit() {
+        let mut state = 1;
+        let triangles: Vec<Triangle> = (0..500).map(|_| std::array::from_fn(|_| grid_point(&mut state))).collect();
+        let bvh = Bvh::build(&triangles);
+        let fast = Simd::detect();
+        let mut hits = 0;
+        for _ in 0..5000 {
+            let (from, to) = (grid_point(&mut state), grid_point(&mut state));
+            let (origin, direction) = (from.as_dvec3() * 2.0 - DVec3::ONE, (to - from).as_dvec3());
+            let ray = SceneRay { origin, direction, t_min: 0.0, t_max: f64::INFINITY };
+            let (ours, portable) = (fast.closest(&bvh, &ray), Simd::Portable.closest(&bvh, &ray));
+            assert_eq!(ours.map(|h| (h.triangle, h.t.to_bits())), portable.map(|h| (h.triangle, h.t.to_bits())));
+            assert_eq!(fast.occluded(&bvh, &ray), ours.is_some());
+            assert_eq!(Simd::Portable.occluded(&bvh, &ray), ours.is_some());
+            hits += u32::from(ours.is_some());
+        }
+        assert!(hits > 500, "{hits} hits");
     }
 }

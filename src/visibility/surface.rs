@@ -27,7 +27,7 @@ impl Surface {
         let (triangle, depth_m) = hit;
         let (origin, direction) = camera.ray(film, x, y);
         let [a, b, c] = tracer.geometry().triangle_f64(triangle);
-        // Never zero: the tracer knows no triangle without area.
+        // Triangles without area are not traced; of the thinnest slivers the length may still underflow.
         let normal = (b - a).cross(c - a).normalize_or(-direction.normalize_or_zero());
         let normal = if normal.dot(direction) > 0.0 { -normal } else { normal };
         Surface { triangle, depth_m, position: origin + direction * depth_m, normal }

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::bvh::Bvh;
-use super::ray::LocalRay;
+use super::ray::SceneRay;
 use super::simd::Simd;
 use crate::scene::Geometry;
 
@@ -49,14 +49,12 @@ impl<'a> Tracer<'a> {
     /// The first triangle, of either orientation, with `t_min ≤ t ≤ t_max` along `origin + t × direction`. The direction
     /// may have any length, `t_max` may be infinite. `None` also for a ray that is not finite.
     pub fn closest(&self, origin: DVec3, direction: DVec3, t_min: f64, t_max: f64) -> Option<Hit> {
-        let in_tree = |bvh: &Bvh, first: usize, t_max: f64| {
-            let local = LocalRay::new(bvh, origin, direction, [t_min, t_max])?;
-            let found = self.simd.nearest(&bvh.wide, &local.ray)?;
-            Some(Hit { triangle: first as u32 + found.triangle, t: local.meet(bvh, &found) })
-        };
-        let still = in_tree(self.still, 0, t_max);
-        let reached = still.map_or(t_max, |hit| hit.t);
-        let moving = self.moving.and_then(|bvh| in_tree(bvh, self.geometry.still.len(), reached));
+        let ray = SceneRay { origin, direction, t_min, t_max };
+        let still = self.simd.closest(self.still, &ray);
+        let Some(bvh) = self.moving else { return still };
+        let up_to_still = SceneRay { t_max: still.map_or(t_max, |hit| hit.t), ..ray };
+        let moving = self.simd.closest(bvh, &up_to_still);
+        let moving = moving.map(|hit| Hit { triangle: hit.triangle + self.geometry.still.len() as u32, ..hit });
         match (still, moving) {
             (Some(a), Some(b)) => Some(if b.t < a.t { b } else { a }),
             (one, other) => one.or(other),
@@ -65,10 +63,7 @@ impl<'a> Tracer<'a> {
 
     /// True when any triangle, of either orientation, lies at `t_min ≤ t ≤ t_max`. False for a ray that is not finite.
     pub fn occluded(&self, origin: DVec3, direction: DVec3, t_min: f64, t_max: f64) -> bool {
-        let in_tree = |bvh: &Bvh| {
-            LocalRay::new(bvh, origin, direction, [t_min, t_max])
-                .is_some_and(|local| self.simd.any(&bvh.wide, &local.ray))
-        };
-        in_tree(self.still) || self.moving.is_some_and(in_tree)
+        let ray = SceneRay { origin, direction, t_min, t_max };
+        self.simd.occluded(self.still, &ray) || self.moving.is_some_and(|bvh| self.simd.occluded(bvh, &ray))
     }
 }

@@ -127,9 +127,20 @@ pub(super) fn nearest<L: Lanes>(tree: &Wide, ray: &Ray) -> Option<Nearest> {
                 current = a.min(b) as u32;
                 continue;
             }
+            let lane = hits.trailing_zeros() as usize;
+            hits &= hits - 1;
+            let c = visit(enter[lane], node.children[lane]);
+            let (near, far) = (a.min(b), a.max(b));
+            let (middle, far) = (far.min(c), far.max(c));
+            let (near, middle) = (near.min(middle), near.max(middle));
             let first = stack.len;
-            stack.push(a);
-            stack.push(b);
+            stack.push(far);
+            stack.push(middle);
+            if hits == 0 {
+                current = near as u32;
+                continue;
+            }
+            stack.push(near);
             while hits != 0 {
                 let lane = hits.trailing_zeros() as usize;
                 hits &= hits - 1;

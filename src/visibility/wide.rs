@@ -4,8 +4,11 @@
 //! first, until there are eight. Every subtree of at most eight triangles is a leaf, because the kernel tests eight
 //! triangles at once for about the price of eight boxes.
 
+use std::ops::Range;
+
 use glam::Vec3;
 use obvhs::bvh2::Bvh2;
+use rayon::prelude::*;
 
 use super::walk::Nearest;
 use crate::scene::Triangle;
@@ -19,10 +22,9 @@ pub(super) const DEPTH_MAX: usize = 64;
 /// Set in a child reference that names a leaf.
 pub(super) const LEAF: u32 = 1 << 31;
 
-/// Boxes are grown on every side by this much of the unit cube that holds all coordinates: 32 roundings of f32 at 1.
-/// The kernel's own arithmetic on vertices and box planes errs by less than 16 of them (see `kernel`), so a triangle
-/// it would call hit always lies behind boxes it calls hit, and the tree never changes an answer.
-pub(super) const BOX_MARGIN: f32 = 32.0 * f32::EPSILON / 2.0;
+/// Boxes are grown on every side by this much of the unit cube that holds all vertices: 64 roundings of f32 at 1, twice
+/// what the kernel's arithmetic can err by (worked out in `kernel`). So the tree never changes an answer.
+pub(super) const BOX_MARGIN: f32 = 64.0 * f32::EPSILON / 2.0;
 
 /// Eight boxes side by side.
 #[repr(C, align(64))]
@@ -66,41 +68,20 @@ const EMPTY_NODE: Node = Node {
 const EMPTY_LEAF: Leaf = Leaf { vertices: [[[f32::NAN; WIDTH]; 3]; 3], triangles: [u32::MAX; WIDTH] };
 
 impl Wide {
-    /// Collapses a binary tree over `kept`, whose entries index `triangles`; stored coordinates are multiplied by
-    /// `scale`, a power of two.
-    pub(super) fn collapse(binary: &Bvh2, kept: &[u32], triangles: &[Triangle], scale: f64) -> Wide {
-        let mut wide = Wide::default();
-        if binary.nodes.is_empty() {
-            return wide;
+    /// Collapses a binary tree, whose leaves hold up to [`WIDTH`] of `kept`, whose entries index `triangles`. The tree's
+    /// boxes are in stored coordinates, which are `scale`, a power of two, times those of `triangles`.
+    pub(super) fn collapse(binary: &Bvh2, kept: &[u32], triangles: &[Triangle], scale: f32) -> Wide {
+        let order: Vec<u32> = binary.primitive_indices.iter().map(|&k| kept[k as usize]).collect();
+        let mut topology = Topology { binary, triangles, scale, order, nodes: Vec::new(), leaves: Vec::new() };
+        if !binary.nodes.is_empty() {
+            topology.collapse();
         }
-        let tree = Ranges::new(binary, kept, triangles, scale as f32);
-        wide.nodes.push(EMPTY_NODE);
-        let root = Subtree { node: Some(0), start: 0, end: tree.order.len() };
-        let mut open = vec![(root, 0, 1)];
-        while let Some((from, to, depth)) = open.pop() {
-            let balanced = depth + BALANCED_DEPTH > DEPTH_MAX;
-            for (slot, child) in tree.children(&from, balanced).into_iter().enumerate() {
-                let [low, high] = tree.bounds(&child);
-                for axis in 0..3 {
-                    wide.nodes[to].planes[2 * axis][slot] = low[axis] - BOX_MARGIN;
-                    wide.nodes[to].planes[2 * axis + 1][slot] = high[axis] + BOX_MARGIN;
-                }
-                if child.len() <= WIDTH {
-                    wide.nodes[to].children[slot] = LEAF | wide.leaves.len() as u32;
-                    wide.leaves.push(tree.leaf(&child));
-                } else {
-                    wide.nodes[to].children[slot] = wide.nodes.len() as u32;
-                    open.push((child, wide.nodes.len(), depth + 1));
-                    wide.nodes.push(EMPTY_NODE);
-                }
-            }
-        }
-        wide
+        let leaves = topology.leaves.par_iter().map(|run| topology.leaf(run)).collect();
+        Wide { nodes: topology.nodes, leaves }
     }
-}
 
-impl Wide {
     /// The corners of a triangle found, stored coordinates.
+    #[inline(always)]
     pub(super) fn corners(&self, found: &Nearest) -> [Vec3; 3] {
         let leaf = &self.leaves[found.leaf as usize];
         let lane = found.lane as usize % WIDTH;
@@ -111,132 +92,134 @@ impl Wide {
 /// A balanced tree over 2³² triangles is no deeper than this: ⌈32 / log2(8)⌉.
 const BALANCED_DEPTH: usize = 11;
 
-/// A run of triangles in depth-first order, and the binary node above exactly these where there is one.
-struct Subtree {
-    node: Option<usize>,
-    start: usize,
-    end: usize,
+/// A part of the tree to be.
+#[derive(Clone, Debug)]
+enum Part {
+    /// A node of the binary tree with everything below it.
+    Node(usize),
+    /// Triangles, as positions in `Topology::order`.
+    Run(Range<usize>),
 }
 
-impl Subtree {
-    fn len(&self) -> usize {
-        self.end - self.start
-    }
-}
-
-/// A binary tree whose triangles stand in depth-first order, so that each node is a run of them.
-struct Ranges<'a> {
+/// A tree in the making.
+struct Topology<'a> {
     binary: &'a Bvh2,
     triangles: &'a [Triangle],
     scale: f32,
-    /// Indices into `triangles`, depth first.
+    /// Indices into `triangles`; leaves are runs of them.
     order: Vec<u32>,
-    /// By binary node: first and past-the-last position in `order`.
-    runs: Vec<[u32; 2]>,
-    /// By binary node: exact bounds, scaled.
-    bounds: Vec<[Vec3; 2]>,
+    nodes: Vec<Node>,
+    leaves: Vec<Range<usize>>,
 }
 
-impl<'a> Ranges<'a> {
-    fn new(binary: &'a Bvh2, kept: &[u32], triangles: &'a [Triangle], scale: f32) -> Ranges<'a> {
-        let nodes = &binary.nodes;
-        let mut ranges = Ranges {
-            binary,
-            triangles,
-            scale,
-            order: Vec::with_capacity(kept.len()),
-            runs: vec![[0; 2]; nodes.len()],
-            bounds: vec![[Vec3::ZERO; 2]; nodes.len()],
-        };
-        let mut before_children = Vec::with_capacity(nodes.len());
-        let mut open = vec![0];
-        while let Some(index) = open.pop() {
-            before_children.push(index);
-            let node = &nodes[index];
-            if node.is_leaf() {
-                let start = ranges.order.len();
-                let own = &binary.primitive_indices[node.first_index as usize..][..node.prim_count as usize];
-                ranges.order.extend(own.iter().map(|&k| kept[k as usize]));
-                ranges.runs[index] = [start as u32, ranges.order.len() as u32];
-                ranges.bounds[index] = ranges.bounds_of(start, ranges.order.len());
-            } else {
-                let left = node.first_index as usize;
-                open.extend([left + 1, left]);
+impl Topology<'_> {
+    fn collapse(&mut self) {
+        self.nodes.push(EMPTY_NODE);
+        let mut open = vec![(Part::Node(0), 0, 1)];
+        while let Some((part, to, depth)) = open.pop() {
+            let part = if depth + BALANCED_DEPTH > DEPTH_MAX { self.flattened(part) } else { part };
+            for (slot, child) in self.children(part).into_iter().enumerate() {
+                let [low, high] = self.bounds(&child);
+                let reference = match self.run(&child) {
+                    Some(run) if run.len() <= WIDTH => {
+                        self.leaves.push(run);
+                        LEAF | (self.leaves.len() - 1) as u32
+                    }
+                    _ => {
+                        open.push((child, self.nodes.len(), depth + 1));
+                        self.nodes.push(EMPTY_NODE);
+                        (self.nodes.len() - 1) as u32
+                    }
+                };
+                let node = &mut self.nodes[to];
+                node.children[slot] = reference;
+                for axis in 0..3 {
+                    node.planes[2 * axis][slot] = low[axis] - BOX_MARGIN;
+                    node.planes[2 * axis + 1][slot] = high[axis] + BOX_MARGIN;
+                }
             }
         }
-        for &index in before_children.iter().rev() {
-            let node = &nodes[index];
-            if !node.is_leaf() {
-                let left = node.first_index as usize;
-                let ([a, b], [c, d]) = (ranges.bounds[left], ranges.bounds[left + 1]);
-                ranges.bounds[index] = [a.min(c), b.max(d)];
-                ranges.runs[index] = [ranges.runs[left][0], ranges.runs[left + 1][1]];
-            }
-        }
-        ranges
     }
 
-    fn subtree(&self, node: usize) -> Subtree {
-        let [start, end] = self.runs[node];
-        Subtree { node: Some(node), start: start as usize, end: end as usize }
-    }
-
-    /// Up to [`WIDTH`] parts of a subtree: its binary tree opened, or equal runs of it when `balanced` or when there is
-    /// no tree below it.
-    fn children(&self, from: &Subtree, balanced: bool) -> Vec<Subtree> {
-        if from.len() <= WIDTH {
-            return vec![Subtree { node: from.node, start: from.start, end: from.end }];
-        }
-        match from.node {
-            Some(node) if !balanced && !self.binary.nodes[node].is_leaf() => self.opened(node),
-            _ => (0..WIDTH)
-                .map(|k| (from.start + from.len() * k / WIDTH, from.start + from.len() * (k + 1) / WIDTH))
-                .map(|(start, end)| Subtree { node: None, start, end })
+    /// Up to [`WIDTH`] parts of a part.
+    fn children(&self, part: Part) -> Vec<Part> {
+        match (self.run(&part), part) {
+            (Some(run), _) if run.len() <= WIDTH => vec![Part::Run(run)],
+            (Some(run), _) => (0..WIDTH)
+                .map(|k| Part::Run(run.start + run.len() * k / WIDTH..run.start + run.len() * (k + 1) / WIDTH))
                 .collect(),
+            (None, Part::Node(node)) => self.opened(node),
+            (None, Part::Run(_)) => Vec::new(),
         }
     }
 
     /// The children of a node, the one of largest area opened until there are [`WIDTH`] or all are leaves.
-    fn opened(&self, node: usize) -> Vec<Subtree> {
+    fn opened(&self, node: usize) -> Vec<Part> {
         let left = self.binary.nodes[node].first_index as usize;
-        let mut children = vec![left, left + 1];
+        let mut children = Vec::with_capacity(WIDTH);
+        children.extend([left, left + 1]);
         while children.len() < WIDTH {
-            let can_open = |&&child: &&usize| {
-                self.runs[child][1] - self.runs[child][0] > WIDTH as u32 && !self.binary.nodes[child].is_leaf()
+            let area = |&child: &usize| {
+                let node = &self.binary.nodes[child];
+                if node.is_leaf() { f32::NEG_INFINITY } else { node.aabb().half_area() }
             };
-            let largest = children
-                .iter()
-                .enumerate()
-                .filter(|(_, child)| can_open(child))
-                .max_by(|(_, a), (_, b)| self.half_area(**a).total_cmp(&self.half_area(**b)));
-            let Some((slot, &child)) = largest else { break };
-            let left = self.binary.nodes[child].first_index as usize;
+            let largest = (0..children.len()).max_by(|&a, &b| area(&children[a]).total_cmp(&area(&children[b])));
+            let Some(slot) = largest.filter(|&slot| area(&children[slot]) > f32::NEG_INFINITY) else { break };
+            let left = self.binary.nodes[children[slot]].first_index as usize;
             children[slot] = left;
             children.push(left + 1);
         }
-        children.into_iter().map(|child| self.subtree(child)).collect()
+        children.into_iter().map(Part::Node).collect()
     }
 
-    fn half_area(&self, node: usize) -> f32 {
-        let [low, high] = self.bounds[node];
-        let d = high - low;
-        d.x * d.y + d.y * d.z + d.z * d.x
+    /// The triangles of a part, where it has no tree below it.
+    fn run(&self, part: &Part) -> Option<Range<usize>> {
+        match part {
+            Part::Run(run) => Some(run.clone()),
+            Part::Node(node) => {
+                let node = &self.binary.nodes[*node];
+                node.is_leaf().then(|| node.first_index as usize..(node.first_index + node.prim_count) as usize)
+            }
+        }
     }
 
-    fn bounds(&self, of: &Subtree) -> [Vec3; 2] {
-        of.node.map_or_else(|| self.bounds_of(of.start, of.end), |node| self.bounds[node])
+    /// The triangles below a part as one run, depth first: its tree is given up, because it is too deep.
+    fn flattened(&mut self, part: Part) -> Part {
+        if self.run(&part).is_some() {
+            return part;
+        }
+        let start = self.order.len();
+        let mut open = vec![part];
+        while let Some(part) = open.pop() {
+            match (self.run(&part), part) {
+                (Some(run), _) => self.order.extend_from_within(run),
+                (None, Part::Node(node)) => {
+                    let left = self.binary.nodes[node].first_index as usize;
+                    open.extend([Part::Node(left + 1), Part::Node(left)]);
+                }
+                (None, Part::Run(_)) => {}
+            }
+        }
+        Part::Run(start..self.order.len())
     }
 
-    fn bounds_of(&self, start: usize, end: usize) -> [Vec3; 2] {
-        let vertices = self.order[start..end].iter().flat_map(|&i| self.triangles[i as usize]);
-        let empty = [Vec3::INFINITY, Vec3::NEG_INFINITY];
-        let [low, high] = vertices.fold(empty, |[low, high], v| [low.min(v), high.max(v)]);
-        [low * self.scale, high * self.scale]
+    fn bounds(&self, part: &Part) -> [Vec3; 2] {
+        match part {
+            Part::Node(node) => {
+                let aabb = self.binary.nodes[*node].aabb();
+                [aabb.min.into(), aabb.max.into()]
+            }
+            Part::Run(run) => {
+                let vertices = self.order[run.clone()].iter().flat_map(|&i| self.triangles[i as usize]);
+                let empty = [Vec3::INFINITY, Vec3::NEG_INFINITY];
+                vertices.fold(empty, |[low, high], v| [low.min(v * self.scale), high.max(v * self.scale)])
+            }
+        }
     }
 
-    fn leaf(&self, of: &Subtree) -> Leaf {
+    fn leaf(&self, run: &Range<usize>) -> Leaf {
         let mut leaf = EMPTY_LEAF;
-        for (slot, &index) in self.order[of.start..of.end].iter().enumerate() {
+        for (slot, &index) in self.order[run.clone()].iter().enumerate() {
             leaf.triangles[slot] = index;
             for (corner, vertex) in self.triangles[index as usize].iter().enumerate() {
                 for axis in 0..3 {
@@ -245,5 +228,69 @@ impl<'a> Ranges<'a> {
             }
         }
         leaf
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3A;
+    use obvhs::aabb::Aabb;
+    use obvhs::bvh2::node::Bvh2Node;
+
+    use super::*;
+
+    /// A tree that is a chain: every node has one leaf of one triangle and the rest.
+    fn chain(triangles: &[Triangle]) -> Bvh2 {
+        let leaf = |i: usize| Bvh2Node::new(Aabb::from_points(&triangles[i].map(Vec3A::from)), 1, i as u32);
+        let everything = triangles.iter().flatten().fold(Aabb::empty(), |mut all, &v| *all.extend(v.into()));
+        let mut nodes = vec![Bvh2Node::new(everything, 0, 1)];
+        for i in 0..triangles.len() - 2 {
+            nodes.push(leaf(i));
+            nodes.push(Bvh2Node::new(everything, 0, nodes.len() as u32 + 1));
+        }
+        nodes.extend([leaf(triangles.len() - 2), leaf(triangles.len() - 1)]);
+        Bvh2 { nodes, primitive_indices: (0..triangles.len() as u32).collect(), ..Default::default() }
+    }
+
+    fn depth(wide: &Wide, node: u32) -> usize {
+        let inner = wide.nodes[node as usize].children.iter().filter(|&&child| child & LEAF == 0);
+        1 + inner.map(|&child| depth(wide, child)).max().unwrap_or(0)
+    }
+
+    #[test]
+    fn a_tree_that_is_too_deep_is_cut_and_keeps_every_triangle() {
+        let corner = |i: usize| Vec3::new(i as f32 / 2048.0, 0.0, 0.0);
+        let triangles: Vec<Triangle> =
+            (0..2000).map(|i| [corner(i), corner(i) + Vec3::Y * 0.1, corner(i) + Vec3::Z * 0.1]).collect();
+        let kept: Vec<u32> = (0..2000).collect();
+        let wide = Wide::collapse(&chain(&triangles), &kept, &triangles, 1.0);
+        assert!(depth(&wide, 0) <= DEPTH_MAX, "{} deep", depth(&wide, 0));
+        let mut found: Vec<u32> =
+            wide.leaves.iter().flat_map(|leaf| leaf.triangles).filter(|&i| i != u32::MAX).collect();
+        found.sort_unstable();
+        assert_eq!(found, kept);
+    }
+
+    #[test]
+    fn boxes_hold_what_is_below_them() {
+        let corner =
+            |i: usize, k: usize| Vec3::new((i * 37 % 101) as f32, (i * 53 % 97) as f32, (i + k) as f32) / 128.0;
+        let triangles: Vec<Triangle> = (0..100).map(|i| [corner(i, 0), corner(i, 1), corner(i + 1, 0)]).collect();
+        let kept: Vec<u32> = (0..100).collect();
+        let wide = Wide::collapse(&chain(&triangles), &kept, &triangles, 1.0);
+        let mut checked = 0;
+        for node in &wide.nodes {
+            for slot in (0..WIDTH).filter(|&slot| node.children[slot] & LEAF != 0 && node.children[slot] != u32::MAX) {
+                let leaf = &wide.leaves[(node.children[slot] & !LEAF) as usize];
+                for &index in leaf.triangles.iter().filter(|&&index| index != u32::MAX) {
+                    for (axis, vertex) in triangles[index as usize].iter().flat_map(|v| [(0, v.x), (1, v.y), (2, v.z)])
+                    {
+                        assert!(node.planes[2 * axis][slot] < vertex && vertex < node.planes[2 * axis + 1][slot]);
+                        checked += 1;
+                    }
+                }
+            }
+        }
+        assert_eq!(checked, 100 * 9);
     }
 }
