@@ -1,13 +1,13 @@
 //! One method on one light: solved, drawn, counted.
 
-use super::{BIAS_GRID, BiasChoice, CompareParams, Measured, PerLight, TexelsFor, budget};
+use super::{BIAS_GRID, BiasChoice, CompareParams, Measured, PerLight, Question, TexelsFor, budget};
 use crate::job::Job;
 use crate::math::Bounds;
 use crate::measure::Receivers;
-use crate::methods::{Inapplicable, Inputs, Method, SolverParams, solve};
+use crate::methods::{Inapplicable, Method, SolverParams, solve};
 use crate::plan::PlanError;
 use crate::raster::{Bias, RasterError};
-use crate::resolution::{FilmQuestion, FittedLight, Judge, bias_of, certify, fit_light, predict, shares};
+use crate::resolution::{FilmQuestion, FittedLight, Judge, bias_of, certify, fit_light, polish, predict, shares};
 use crate::samples::LightSamples;
 use crate::scene::{Camera, Film, Light};
 use crate::visibility::{RayOffset, Tracer, View};
@@ -68,8 +68,12 @@ pub(super) fn entry(
     row.solve_seconds = start.elapsed().as_secs_f64();
     let mut mask = Mask::default();
     match fitted {
-        Ok(fitted) => match Judge::new(case.tracer, case.view, &question, &fitted, case.receivers, case.offset) {
+        Ok(mut fitted) => match Judge::new(case.tracer, case.view, &question, &fitted, case.receivers, case.offset) {
             Ok(mut judge) => {
+                // The step that chooses by measuring knows the job's aspects only.
+                if budget::aspect(params.question, &job.map) == budget::aspect(Question::Epsilon, &job.map) {
+                    polish(&question, case.samples, &mut fitted, &mut judge)?;
+                }
                 let (measured, found) = measure(&question, &fitted, &mut judge, params)?;
                 (row.measured, mask) = (Some(measured), found);
             }
@@ -91,24 +95,11 @@ fn fit(
     let Some(texels) = budget::texels(params.question) else {
         return fit_light(question, case.samples, Some(case.receivers));
     };
-    let regions = solve(
-        method,
-        &Inputs {
-            camera: case.camera,
-            film: case.film,
-            light: case.light,
-            bounds: case.bounds,
-            edges: &case.samples.edges,
-            covered: &case.samples.covered,
-            texels,
-            aspect: budget::aspect(params.question, question.map),
-            shape: question.map.shape,
-            solver: question.solver,
-            sample_cap: question.sample_cap,
-        },
-    )?;
-    let shares = shares(&regions);
-    Ok(FittedLight { shares, regions, texels, evaluations: 0, joined: 0 })
+    let mut inputs = question.inputs(case.samples, &case.samples.covered, texels, question.solver);
+    inputs.aspect = budget::aspect(params.question, question.map);
+    let regions = solve(method, &inputs)?;
+    let (shares, covered) = (shares(&regions), case.samples.covered.clone());
+    Ok(FittedLight { shares, regions, texels, evaluations: 0, joined: 0, covered })
 }
 
 fn measure(

@@ -158,14 +158,15 @@ pub fn predict(regions: &[Region], shares: &[f64], texels: f64) -> Prediction {
 
 /// The predicted value of the bound: wrong pixels, or pixels at the quantile.
 pub(super) fn predicted_bound(quality: &QualityParams, regions: &[Region], shares: &[f64], texels: f64) -> f64 {
-    let at_quantile = |values: &dyn Fn(&Region, f64) -> Vec<(f64, f64)>| {
-        let all = regions.iter().zip(shares).flat_map(|(r, s)| values(r, texels * s)).collect();
-        weighted_quantile(all, quality.quantile)
-    };
+    let of_all = regions.iter().zip(shares);
     match quality.bound {
         Bound::Misclassified => predict(regions, shares, texels).misclassified,
-        Bound::Displacement => at_quantile(&|r, t| r.displacements(t)),
-        Bound::Footprint => at_quantile(&|r, t| r.footprints(t)),
+        Bound::Displacement => {
+            weighted_quantile(of_all.flat_map(|(r, s)| r.displacements(texels * s)).collect(), quality.quantile)
+        }
+        Bound::Footprint => {
+            weighted_quantile(of_all.flat_map(|(r, s)| r.footprints(texels * s)).collect(), quality.quantile)
+        }
     }
 }
 
