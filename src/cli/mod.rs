@@ -1,5 +1,6 @@
 //! The command line: one file a command. Nothing outside this folder knows clap, progress bars or terminal colours.
 
+mod compare;
 mod exit;
 mod flags;
 mod plan;
@@ -35,6 +36,7 @@ Examples:
   lixel plan scene.glb --frames 1-90 --size 1920x1080 --epsilon 0.001 > plan.json
   lixel verify shot.plan.json
   lixel render shot.toml --frame 12 -o frame12
+  lixel compare shot.toml --texels 160000
 
 Exit codes:
   0    done, every bound met
@@ -59,6 +61,7 @@ enum Command {
     Plan(plan::PlanArgs),
     Verify(verify::VerifyArgs),
     Render(render::RenderArgs),
+    Compare(compare::CompareArgs),
     Schema(schema::SchemaArgs),
 }
 
@@ -78,6 +81,7 @@ pub(crate) fn run(cli: Cli) -> ExitCode {
         Command::Plan(args) => plan::run(args, quiet, &signals),
         Command::Verify(args) => verify::run(args, quiet, &signals),
         Command::Render(args) => render::run(args, quiet, &signals),
+        Command::Compare(args) => compare::run(args, quiet, &signals),
         Command::Schema(args) => schema::run(args),
     };
     match outcome {

@@ -11,7 +11,7 @@ use crate::scene::{self, Geometry, Shot, ShotParams};
 use crate::visibility::{Bvh, RayOffset, Tracer, see};
 
 /// Reads the files of a job.
-pub(super) fn load_shot(job: &LoadedJob) -> Result<Shot, PlanError> {
+pub(crate) fn load_shot(job: &LoadedJob) -> Result<Shot, PlanError> {
     let params = ShotParams {
         scene: &job.scene_paths(),
         frames: &job.job.frames,

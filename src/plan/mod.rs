@@ -19,12 +19,14 @@ mod write;
 pub use conventions::Conventions;
 pub use error::PlanError;
 pub use inputs::{Input, hash_inputs, relative_path, sha256_hex};
+pub(crate) use make::load_shot;
 pub use make::make;
 pub use read::{parse, read};
 pub use render::render;
 pub use types::*;
 pub use verify::{InputCheck, LightCheck, Outcome, Verification, verify};
 pub use watch::{Progress, Stage, Watch};
+pub(crate) use write::write_atomically;
 pub use write::{Dest, Format, to_text, write};
 
 /// The version of the plan format that this lixel reads and writes. Keys may be added under the same name.

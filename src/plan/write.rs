@@ -107,7 +107,7 @@ fn target(path: &Path) -> io::Result<Target> {
 }
 
 /// A temporary file beside the destination, synced, then renamed over it.
-fn write_atomically(path: &Path, bytes: &[u8]) -> io::Result<()> {
+pub(crate) fn write_atomically(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let (file, dir) = match target(path)? {
         Target::Replace { file, dir } => (file, dir),
         Target::Direct => return File::options().write(true).open(path)?.write_all(bytes),

@@ -20,7 +20,7 @@ pub(super) fn bias_with(params: &BiasParams, slope: f64) -> Bias {
 }
 
 /// The bias where nothing is measured.
-pub(super) fn unmeasured(params: &BiasParams) -> Bias {
+pub fn default_bias(params: &BiasParams) -> Bias {
     bias_with(params, SLOPES[0])
 }
 
@@ -32,7 +32,7 @@ pub(super) fn measured(
     grid: &SizeGrid,
 ) -> Result<Bias, RasterError> {
     if question.map.bias.slope.is_some() {
-        return Ok(unmeasured(&question.map.bias));
+        return Ok(default_bias(&question.map.bias));
     }
     let sizes = grid.sizes(grid.at_least(fitted.texels)).to_vec();
     let mut best: Option<(usize, Bias)> = None;
@@ -44,5 +44,5 @@ pub(super) fn measured(
             best = Some((wrong, bias));
         }
     }
-    Ok(best.map_or_else(|| unmeasured(&question.map.bias), |b| b.1))
+    Ok(best.map_or_else(|| default_bias(&question.map.bias), |b| b.1))
 }

@@ -1,6 +1,6 @@
 //! Chooses the smallest size by measurement, with a certificate of what was tried.
 
-use super::bias::{measured, unmeasured};
+use super::bias::{default_bias, measured};
 use super::fitted::{predict, predicted_bound};
 use super::judge::Judge;
 use super::{Bound, FilmQuestion, FittedLight, Probe, SizeGrid, smallest};
@@ -95,7 +95,7 @@ pub fn predict_only(question: &FilmQuestion, fitted: &FittedLight) -> Certified 
     Certified {
         met: texels >= fitted.texels,
         sizes: grid.sizes(index).to_vec(),
-        bias: unmeasured(&question.map.bias),
+        bias: default_bias(&question.map.bias),
         predicted: predict(&fitted.regions, &fitted.shares, texels),
         predicted_at_quantile: predicted_at_quantile(question, fitted, texels),
         chosen: None,

@@ -137,7 +137,7 @@ fn holds(regions: &[Region], point: DVec3) -> bool {
 }
 
 /// The best split of a budget: in proportion to c^(2/3), c the error at unit budget (math note §6).
-fn shares(regions: &[Region]) -> Vec<f64> {
+pub fn shares(regions: &[Region]) -> Vec<f64> {
     let parts: Vec<f64> =
         regions.iter().map(|r| r.predict(FIRST_TEXELS).unsaturated.max(f64::MIN_POSITIVE).powf(2.0 / 3.0)).collect();
     let sum: f64 = parts.iter().sum();
@@ -149,7 +149,7 @@ fn shares(regions: &[Region]) -> Vec<f64> {
 }
 
 /// The prediction of all regions at a number of texels in all.
-pub(super) fn predict(regions: &[Region], shares: &[f64], texels: f64) -> Prediction {
+pub fn predict(regions: &[Region], shares: &[f64], texels: f64) -> Prediction {
     regions.iter().zip(shares).fold(Prediction::default(), |sum, (region, share)| {
         let p = region.predict(texels * share);
         Prediction { misclassified: sum.misclassified + p.misclassified, unsaturated: sum.unsaturated + p.unsaturated }
@@ -158,14 +158,15 @@ pub(super) fn predict(regions: &[Region], shares: &[f64], texels: f64) -> Predic
 
 /// The predicted value of the bound: wrong pixels, or pixels at the quantile.
 pub(super) fn predicted_bound(quality: &QualityParams, regions: &[Region], shares: &[f64], texels: f64) -> f64 {
-    let at_quantile = |values: &dyn Fn(&Region, f64) -> Vec<(f64, f64)>| {
-        let all = regions.iter().zip(shares).flat_map(|(r, s)| values(r, texels * s)).collect();
-        weighted_quantile(all, quality.quantile)
-    };
+    let of_all = regions.iter().zip(shares);
     match quality.bound {
         Bound::Misclassified => predict(regions, shares, texels).misclassified,
-        Bound::Displacement => at_quantile(&|r, t| r.displacements(t)),
-        Bound::Footprint => at_quantile(&|r, t| r.footprints(t)),
+        Bound::Displacement => {
+            weighted_quantile(of_all.flat_map(|(r, s)| r.displacements(texels * s)).collect(), quality.quantile)
+        }
+        Bound::Footprint => {
+            weighted_quantile(of_all.flat_map(|(r, s)| r.footprints(texels * s)).collect(), quality.quantile)
+        }
     }
 }
 

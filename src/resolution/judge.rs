@@ -123,6 +123,11 @@ impl<'a> Judge<'a> {
         self.certainty.verdict(wrong)
     }
 
+    /// Wrong receivers whose exact answer is certain.
+    pub fn certain(&self, wrong: &[u32]) -> Vec<u32> {
+        wrong.iter().copied().zip(self.certainty.uncertain(wrong)).filter(|(_, u)| !u).map(|(i, _)| i).collect()
+    }
+
     /// The receivers judged.
     pub fn receivers(&self) -> &Receivers {
         self.receivers
@@ -130,6 +135,11 @@ impl<'a> Judge<'a> {
 
     /// Wrong receivers that a larger or no bias answers right: self-shadowing and what the bias hides, not edges.
     pub fn self_shadowed(&mut self, sizes: &[[u32; 2]], bias: Bias, wrong: &[u32]) -> Result<u64, RasterError> {
+        Ok((wrong.len() - self.misplaced(sizes, bias, wrong)?.len()) as u64)
+    }
+
+    /// Wrong receivers that neither a larger nor no bias answers right: misplaced shadow edges.
+    pub fn misplaced(&mut self, sizes: &[[u32; 2]], bias: Bias, wrong: &[u32]) -> Result<Vec<u32>, RasterError> {
         /// How much larger the larger bias is.
         const LARGER: f64 = 4.0;
         let larger =
@@ -140,6 +150,6 @@ impl<'a> Judge<'a> {
             let still_wrong = self.wrong(&drawn);
             edge.retain(|i| still_wrong.binary_search(i).is_ok());
         }
-        Ok((wrong.len() - edge.len()) as u64)
+        Ok(edge)
     }
 }

@@ -9,8 +9,9 @@ mod polish;
 mod search;
 mod sizes;
 
+pub use bias::default_bias;
 pub use certify::{Certified, Trial, certify, predict_only};
-pub use fitted::{FilmQuestion, FittedLight, fit_light};
+pub use fitted::{FilmQuestion, FittedLight, fit_light, predict, shares};
 pub use judge::{Judge, JudgedMap};
 pub use params::{AspectRule, BiasParams, Bound, MapParams, Measure, QualityParams, SIZE_MAX};
 pub use polish::polish;

@@ -4,7 +4,7 @@
 //! more maps are drawn and counted: the answers of the other metrics and of the scene-optimal method, then in rounds the
 //! neighbours of the best map so far. The measured count decides, ties by the order of trial.
 
-use super::bias::unmeasured;
+use super::bias::default_bias;
 use super::judge::{Judge, JudgedMap};
 use super::{FilmQuestion, FittedLight, SizeGrid};
 use crate::methods::{Method, Region, SolverParams, neighbours, solve};
@@ -87,7 +87,7 @@ fn measure(
     let grid = SizeGrid::new(&[(region.aspect, 1.0)], question.map);
     let sizes = grid.sizes(grid.at_least(texels)).to_vec();
     let before = std::mem::replace(&mut judge.maps, vec![map]);
-    let drawn = judge.draw(&sizes, unmeasured(&question.map.bias));
+    let drawn = judge.draw(&sizes, default_bias(&question.map.bias));
     let mut maps = std::mem::replace(&mut judge.maps, before);
     let wrong = judge.wrong(&drawn?).len() as u64;
     Ok(maps.pop().map(|map| (wrong, map)))

@@ -1,0 +1,198 @@
+//! `lixel compare`.
+
+use std::io::Write;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Args, ValueEnum};
+use lixel::compare::{
+    BiasChoice, CompareParams, Question, all_methods, csv, json, random_hemisphere, scatter, summarise, table,
+    write_file,
+};
+use lixel::methods::Method;
+use lixel::plan::{Dest, PlanError, Watch};
+use lixel::raster::SIZE_MAX;
+use serde::Deserialize;
+use serde::de::value::StrDeserializer;
+
+use super::exit::{Failure, MET};
+use super::flags::JobFlags;
+use super::progress::Bar;
+use super::report;
+use super::signals::Signals;
+use super::values::{size, values};
+
+/// Compare methods on the same frames, lights and texels by their wrong pixels
+#[derive(Args)]
+#[command(after_help = "\
+With --epsilon the texels are searched that each method needs for that bound; else every method gets the same texels.
+
+Examples:
+  lixel compare shot.toml --texels 160000
+  lixel compare scene.glb --frames 1 --size 750x750 --lights random-hemisphere:500:1 --methods lixel,scene-optimal
+  lixel compare shot.toml --epsilon 0.001 --csv texels.csv
+
+Exit codes: 0 done, 1 failure, 2 bad input, 130/143 stopped.")]
+pub(super) struct CompareArgs {
+    /// A job file (.toml), or a scene with its camera and lights (.gltf, .glb, .obj)
+    input: PathBuf,
+    /// Methods, in the order of the rows [default: all]
+    #[arg(long, value_delimiter = ',', value_parser = values::<Method>(), conflicts_with = "method", value_name = "A,B,…")]
+    methods: Vec<String>,
+    /// Texels of each light, all its maps together [default: 160000]
+    #[arg(long, value_name = "N", conflicts_with_all = ["resolution", "epsilon"], value_parser = clap::value_parser!(u32).range(1..=1 << 28))]
+    texels: Option<u32>,
+    /// Width and height of each light's map, instead of texels
+    #[arg(long, value_name = "WxH", value_parser = resolution, conflicts_with = "epsilon")]
+    resolution: Option<[u32; 2]>,
+    /// Distant lights spread evenly over the sky instead of the scene's: random-hemisphere:N:SEED
+    ///
+    /// A light depends on the seed and its own number alone: random-hemisphere:200-299:SEED are the lights 200 to 299 of a
+    /// longer run.
+    #[arg(long, value_name = "LIGHTS", value_parser = hemisphere)]
+    lights: Option<Hemisphere>,
+    /// The depth bias of each map
+    #[arg(long, value_enum, default_value_t = BiasName::Plan)]
+    bias: BiasName,
+    /// All rows and figures as JSON
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// One row a light and method as CSV
+    #[arg(long, value_name = "FILE")]
+    csv: Option<PathBuf>,
+    /// Folder for a picture of each light and a plot of measured against predicted, made if it is not there
+    ///
+    /// The pictures have a column for each method; wrong pixels are red (lit instead of in shadow) or blue (in shadow
+    /// instead of lit) at misplaced shadow edges, orange or cyan where the bias is to blame.
+    #[arg(long, short, value_name = "DIR")]
+    output: Option<PathBuf>,
+    #[command(flatten)]
+    job: JobFlags,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum BiasName {
+    /// That of the job
+    Plan,
+    /// For each method and light the one of a fixed grid with the fewest wrong pixels
+    Best,
+}
+
+/// Texels of each light where no flag says.
+const TEXELS: u32 = 160_000;
+/// Most lights of a run.
+const LIGHTS_MAX: usize = 10_000;
+
+/// `WxH`, texels.
+fn resolution(text: &str) -> Result<[u32; 2], String> {
+    let sides = size(text)?;
+    match sides.iter().find(|side| !(1..=SIZE_MAX).contains(side)) {
+        Some(side) => Err(format!("{side} texels are out of range: give 1 to {SIZE_MAX}")),
+        None => Ok(sides),
+    }
+}
+
+/// Lights `start` to `end` - 1 of a seed.
+#[derive(Clone, Debug, PartialEq)]
+struct Hemisphere {
+    lights: std::ops::Range<u32>,
+    seed: u64,
+}
+
+/// `random-hemisphere:N:SEED` or `random-hemisphere:A-B:SEED`.
+fn hemisphere(text: &str) -> Result<Hemisphere, String> {
+    let range = |numbers: &str| match numbers.split_once('-') {
+        Some((first, last)) => Some(first.parse().ok()?..last.parse::<u32>().ok()?.checked_add(1)?),
+        None => Some(0..numbers.parse().ok()?),
+    };
+    let parsed = text
+        .strip_prefix("random-hemisphere:")
+        .and_then(|rest| rest.split_once(':'))
+        .and_then(|(numbers, seed)| Some(Hemisphere { lights: range(numbers)?, seed: seed.parse().ok()? }));
+    let found = parsed.ok_or("give the number of lights and a seed, as in random-hemisphere:500:1")?;
+    match found.lights.len() {
+        0 => Err("there is no light in this range: give at least one".to_owned()),
+        count if count > LIGHTS_MAX => Err(format!("{count} lights are too many: give at most {LIGHTS_MAX}")),
+        _ => Ok(found),
+    }
+}
+
+pub(super) fn run(args: &CompareArgs, quiet: bool, signals: &Signals) -> Result<ExitCode, Failure> {
+    let overrides = args.job.overrides();
+    let mut job = lixel::job::load(&args.input, &overrides).map_err(|e| Failure::job(e, &args.job))?;
+    if let Some(hemisphere) = &args.lights {
+        job.job.light = random_hemisphere(hemisphere.lights.clone(), hemisphere.seed);
+    }
+    let searched = overrides.get("quality").is_some_and(|q| q.get("epsilon").is_some());
+    let params = CompareParams {
+        methods: methods(&args.methods),
+        question: match args.resolution {
+            Some(resolution) => Question::Resolution(resolution),
+            None if searched => Question::Epsilon,
+            None => Question::Texels(args.texels.unwrap_or(TEXELS)),
+        },
+        bias: match args.bias {
+            BiasName::Plan => BiasChoice::Plan,
+            BiasName::Best => BiasChoice::Best,
+        },
+        pictures: args.output.clone(),
+    };
+    for file in [&args.json, &args.csv].into_iter().flatten() {
+        Dest::File(file.clone()).check()?;
+    }
+    if let Some(dir) = &args.output {
+        std::fs::create_dir_all(dir).map_err(|source| PlanError::Write { dest: dir.display().to_string(), source })?;
+    }
+    let comparison = {
+        let bar = Bar::new(quiet);
+        let watch =
+            Watch { progress: &|p| bar.show(p), cancel: signals.cancel(), notes: &|text| report::remark(quiet, text) };
+        lixel::compare::compare(&job, &params, &watch)?
+    };
+    let summary = summarise(&comparison);
+    if let Some(file) = &args.json {
+        write_file(file, json(&comparison, &summary)?.as_bytes())?;
+    }
+    if let Some(file) = &args.csv {
+        write_file(file, csv(&comparison).as_bytes())?;
+    }
+    if let Some(dir) = &args.output {
+        write_file(&dir.join("predicted.svg"), scatter(&comparison).as_bytes())?;
+    }
+    let text = table(&comparison, &summary);
+    let mut out = std::io::stdout().lock();
+    out.write_all(text.as_bytes()).and_then(|()| out.flush()).map_err(Failure::Stdout)?;
+    Ok(ExitCode::from(MET))
+}
+
+/// Methods by name, each once; all when none is named. The names are those that clap let through.
+fn methods(names: &[String]) -> Vec<Method> {
+    let mut chosen: Vec<Method> = Vec::new();
+    for name in names {
+        let parsed: Result<Method, serde::de::value::Error> = Method::deserialize(StrDeserializer::new(name));
+        if let Ok(method) = parsed
+            && !chosen.contains(&method)
+        {
+            chosen.push(method);
+        }
+    }
+    if chosen.is_empty() { all_methods() } else { chosen }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hemispheres_are_a_count_or_a_range_and_a_seed() {
+        let parsed = |text: &str| hemisphere(text).ok();
+        assert_eq!(parsed("random-hemisphere:500:7"), Some(Hemisphere { lights: 0..500, seed: 7 }));
+        assert_eq!(parsed("random-hemisphere:200-299:7"), Some(Hemisphere { lights: 200..300, seed: 7 }));
+        for bad in ["", "random-hemisphere:", "random-hemisphere:0:1", "random-hemisphere:9-3:1", "random-hemisphere:5"]
+        {
+            assert!(hemisphere(bad).is_err(), "{bad}");
+        }
+        assert!(hemisphere("random-hemisphere:10001:1").is_err());
+        assert!(hemisphere("random-hemisphere:0-4294967295:1").is_err());
+    }
+}

@@ -1,0 +1,156 @@
+//! One method on one light: solved, drawn, counted.
+
+use super::{BIAS_GRID, BiasChoice, CompareParams, Measured, PerLight, Question, TexelsFor, budget};
+use crate::job::Job;
+use crate::math::Bounds;
+use crate::measure::Receivers;
+use crate::methods::{Inapplicable, Method, SolverParams, solve};
+use crate::plan::PlanError;
+use crate::raster::{Bias, RasterError};
+use crate::resolution::{FilmQuestion, FittedLight, Judge, certify, default_bias, fit_light, polish, predict, shares};
+use crate::samples::LightSamples;
+use crate::scene::{Camera, Film, Light};
+use crate::visibility::{RayOffset, Tracer, View};
+use std::time::Instant;
+
+/// What all methods are given for one light of a frame.
+pub(super) struct Case<'a> {
+    pub(super) tracer: &'a Tracer<'a>,
+    pub(super) camera: &'a Camera,
+    pub(super) film: Film,
+    pub(super) view: &'a View,
+    pub(super) bounds: Bounds,
+    pub(super) offset: RayOffset,
+    pub(super) frame: i64,
+    pub(super) light: &'a Light,
+    /// With every film pixel that a map has to hold among the covered points.
+    pub(super) samples: &'a LightSamples,
+    pub(super) receivers: &'a Receivers,
+}
+
+/// The wrong pixels of one method, for pictures.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Mask {
+    /// Certainly wrong receivers, ascending.
+    pub(super) certain: Vec<u32>,
+    /// Those of them with a misplaced edge, ascending.
+    pub(super) edge: Vec<u32>,
+}
+
+/// Solves, draws and counts.
+pub(super) fn entry(
+    case: &Case,
+    method: Method,
+    job: &Job,
+    params: &CompareParams,
+) -> Result<(PerLight, Mask), PlanError> {
+    let start = Instant::now();
+    let solver = SolverParams { method, ..job.solver.clone() };
+    let question = FilmQuestion {
+        camera: case.camera,
+        film: case.film,
+        light: case.light,
+        bounds: case.bounds,
+        quality: &job.quality,
+        map: &job.map,
+        solver: &solver,
+        sample_cap: job.sampling.cap as usize,
+    };
+    let mut row = PerLight {
+        frame: case.frame,
+        light: case.light.name.clone(),
+        reason: None,
+        measured: None,
+        solve_seconds: 0.0,
+        seconds: 0.0,
+    };
+    let fitted = fit(case, method, &question, params);
+    row.solve_seconds = start.elapsed().as_secs_f64();
+    let mut mask = Mask::default();
+    match fitted {
+        Ok(mut fitted) => match Judge::new(case.tracer, case.view, &question, &fitted, case.receivers, case.offset) {
+            Ok(mut judge) => {
+                // The step that chooses by measuring knows the job's aspects only.
+                if budget::aspect(params.question, &job.map) == budget::aspect(Question::Epsilon, &job.map) {
+                    polish(&question, case.samples, &mut fitted, &mut judge)?;
+                }
+                let (measured, found) = measure(&question, &fitted, &mut judge, params)?;
+                (row.measured, mask) = (Some(measured), found);
+            }
+            Err(reason) => row.reason = Some(reason.to_string()),
+        },
+        Err(reason) => row.reason = Some(reason.to_string()),
+    }
+    row.seconds = start.elapsed().as_secs_f64();
+    Ok((row, mask))
+}
+
+/// The method's regions, for the texels that are given or for those that the bound asks for.
+fn fit(
+    case: &Case,
+    method: Method,
+    question: &FilmQuestion,
+    params: &CompareParams,
+) -> Result<FittedLight, Inapplicable> {
+    let Some(texels) = budget::texels(params.question) else {
+        return fit_light(question, case.samples, Some(case.receivers));
+    };
+    let mut inputs = question.inputs(case.samples, &case.samples.covered, texels, question.solver);
+    inputs.aspect = budget::aspect(params.question, question.map);
+    let regions = solve(method, &inputs)?;
+    let (shares, covered) = (shares(&regions), case.samples.covered.clone());
+    Ok(FittedLight { shares, regions, texels, evaluations: 0, joined: 0, covered })
+}
+
+fn measure(
+    question: &FilmQuestion,
+    fitted: &FittedLight,
+    judge: &mut Judge,
+    params: &CompareParams,
+) -> Result<(Measured, Mask), RasterError> {
+    let plan_bias = default_bias(&question.map.bias);
+    let (sizes, needed) = match budget::texels(params.question) {
+        Some(texels) => (budget::sizes(&fitted.regions, &fitted.shares, texels), None),
+        None => {
+            let certified = certify(question, fitted, judge)?;
+            let needed = TexelsFor { met: certified.met, texels: sum(&certified.sizes) };
+            (certified.sizes, Some(needed))
+        }
+    };
+    let mut best: Option<(Bias, Vec<u32>, Vec<u32>)> = None;
+    let grid: &[Bias] = if params.bias == BiasChoice::Best { &BIAS_GRID } else { &[] };
+    for bias in std::iter::once(&plan_bias).chain(grid) {
+        let drawn = judge.draw(&sizes, *bias)?;
+        let wrong = judge.wrong(&drawn);
+        let certain = judge.certain(&wrong);
+        if best.as_ref().is_none_or(|(_, _, least)| certain.len() < least.len()) {
+            best = Some((*bias, wrong, certain));
+        }
+    }
+    let (bias, wrong, certain) = best.unwrap_or((plan_bias, Vec::new(), Vec::new()));
+    let edge = judge.misplaced(&sizes, bias, &certain)?;
+    let texels = sum(&sizes);
+    let prediction = predict(&fitted.regions, &fitted.shares, texels as f64);
+    let false_lit = certain.iter().filter(|i| judge.receivers().shadowed[**i as usize]).count() as u64;
+    let measured = Measured {
+        misclassified: certain.len() as u64,
+        false_lit,
+        false_shadow: certain.len() as u64 - false_lit,
+        self_shadow: (certain.len() - edge.len()) as u64,
+        edge: edge.len() as u64,
+        uncertain: (wrong.len() - certain.len()) as u64,
+        predicted: Some(prediction.misclassified).filter(|p| p.is_finite()),
+        predicted_unsaturated: Some(prediction.unsaturated).filter(|p| p.is_finite()),
+        texels,
+        maps: sizes,
+        bias_constant: bias.constant,
+        bias_slope: bias.slope,
+        bias_clamp: bias.clamp.is_finite().then_some(bias.clamp),
+        needed,
+    };
+    Ok((measured, Mask { certain, edge }))
+}
+
+fn sum(sizes: &[[u32; 2]]) -> u64 {
+    sizes.iter().map(|[w, h]| u64::from(*w) * u64::from(*h)).sum()
+}

@@ -1,0 +1,34 @@
+//! Methods side by side: the same frames, lights, covered points and texels, judged by the same measured wrong pixels
+//! (after Table 1 of Chong and Gortler, *Scene Optimized Shadow Mapping*, TR-07-07).
+//!
+//! For each light of a frame the shadow edges are sampled once and the film is classified exactly once. Every method gets
+//! the same cover: what the planning grid found and every film pixel that a map has to hold, so that none loses for a
+//! pixel it was not told of. Then each method solves for the same number of texels, its maps are drawn and every pixel
+//! is looked up. With [`Question::Epsilon`] the texels are searched instead, for the same quality.
+//!
+//! Lights are independent of each other and shared out to threads; no number but the times depends on how.
+
+mod budget;
+mod entry;
+mod files;
+mod glyphs;
+mod hemisphere;
+mod params;
+mod picture;
+mod prng;
+mod run;
+mod scatter;
+mod statistics;
+mod summary;
+mod table;
+mod types;
+mod workers;
+
+pub use files::{SCHEMA, csv, json, write_file};
+pub use hemisphere::random_hemisphere;
+pub use params::{BIAS_GRID, BiasChoice, CompareParams, Question, all_methods, name_of};
+pub use run::compare;
+pub use scatter::scatter;
+pub use summary::{Correlation, MethodSummary, Ratio, Summary, Worst, summarise};
+pub use table::table;
+pub use types::{CaseLight, Comparison, Measured, MethodRows, PerLight, TexelsFor};

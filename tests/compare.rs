@@ -1,0 +1,174 @@
+//! Methods side by side on the courtyard: the counts hold together, threads decide nothing, files say what was measured.
+
+#![expect(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
+
+use std::path::Path;
+use std::process::{Command, Output};
+use std::sync::atomic::AtomicBool;
+
+use lixel::compare::{
+    BiasChoice, CompareParams, Comparison, Question, compare, csv, json, random_hemisphere, scatter, summarise, table,
+};
+use lixel::job::LoadedJob;
+use lixel::methods::Method;
+use lixel::plan::{PlanError, Watch};
+
+const METHODS: [Method; 4] = [Method::SceneOptimal, Method::Lixel, Method::Normal, Method::Focused];
+
+fn courtyard() -> std::path::PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/courtyard/courtyard.glb")
+}
+
+/// The courtyard from frame 30, small, under lights of the sky.
+fn job(lights: u32) -> LoadedJob {
+    let flags: toml::Table =
+        "frames.range = \"30\"\nimage.size = [150, 100]\ncamera.name = \"walk\"\n".parse().unwrap();
+    let mut loaded = lixel::job::load(&courtyard(), &flags).unwrap();
+    loaded.job.light = random_hemisphere(0..lights, 5);
+    loaded
+}
+
+fn params(question: Question, bias: BiasChoice) -> CompareParams {
+    CompareParams { methods: METHODS.to_vec(), question, bias, pictures: None }
+}
+
+fn run(job: &LoadedJob, params: &CompareParams, threads: usize) -> Comparison {
+    let cancel = AtomicBool::new(false);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+    let mut found =
+        pool.install(|| compare(job, params, &Watch { progress: &|_| {}, cancel: &cancel, notes: &|_| {} })).unwrap();
+    // Times are the only thing that may differ.
+    found.lights.iter_mut().for_each(|l| l.seconds = 0.0);
+    for method in &mut found.methods {
+        method.seconds = 0.0;
+        for row in &mut method.per_light {
+            (row.solve_seconds, row.seconds) = (0.0, 0.0);
+        }
+    }
+    found
+}
+
+#[test]
+fn counts_hold_together_and_threads_decide_nothing() {
+    let job = job(3);
+    let texels = params(Question::Texels(4000), BiasChoice::Plan);
+    let found = run(&job, &texels, 1);
+    assert_eq!(found, run(&job, &texels, 2), "two threads, two lights at a time");
+    assert_eq!(found, run(&job, &texels, 7), "more threads than lights");
+    assert_eq!((found.lights.len(), found.methods.len(), found.pixels), (3, 4, 15_000));
+    for method in &found.methods {
+        assert_eq!(method.inapplicable, 0, "{}", method.method);
+        let rows: Vec<_> = method.per_light.iter().map(|r| r.measured.clone().unwrap()).collect();
+        assert_eq!(method.misclassified, rows.iter().map(|m| m.misclassified).sum::<u64>());
+        assert!(method.misclassified > 0);
+        for (m, light) in rows.iter().zip(&found.lights) {
+            assert_eq!(m.misclassified, m.false_lit + m.false_shadow);
+            assert_eq!(m.misclassified, m.edge + m.self_shadow);
+            assert!(m.misclassified + m.uncertain <= light.facing && light.shadowed <= light.facing);
+            assert!(m.texels <= 4000 && m.texels > 3600, "{:?}", m.maps);
+            assert!(m.predicted.unwrap() > 0.0 && m.predicted <= m.predicted_unsaturated);
+        }
+    }
+
+    // Another bias may only help.
+    let best = run(&job, &params(Question::Texels(4000), BiasChoice::Best), 2);
+    for (best, plan) in best.methods.iter().zip(&found.methods) {
+        for (best, plan) in best.per_light.iter().zip(&plan.per_light) {
+            let count = |row: &lixel::compare::PerLight| row.measured.as_ref().unwrap().misclassified;
+            assert!(count(best) <= count(plan));
+        }
+    }
+}
+
+#[test]
+fn files_and_table_say_what_was_measured() {
+    let found = run(&job(2), &params(Question::Resolution([80, 40]), BiasChoice::Plan), 2);
+    let summary = summarise(&found);
+    for method in &found.methods {
+        for row in &method.per_light {
+            assert_eq!(row.measured.as_ref().unwrap().maps, [[80, 40]]);
+        }
+    }
+    let value: serde_json::Value = serde_json::from_str(&json(&found, &summary).unwrap()).unwrap();
+    assert_eq!(value["schema"], "lixel.compare/1");
+    assert_eq!(value["methods"][1]["method"], "lixel");
+    assert_eq!(value["methods"][1]["misclassified"], found.methods[1].misclassified);
+    assert_eq!(value["methods"][1]["inapplicable"], 0);
+    assert_eq!(value["methods"][1]["per_light"][1]["light"], "h0001");
+    assert!(value["methods"][1]["per_light"][1]["edge"].is_u64() && value["methods"][1]["seconds"].is_f64());
+    assert_eq!(value["summary"]["reference"], "scene-optimal");
+
+    let csv = csv(&found);
+    let cells: Vec<Vec<&str>> = csv.lines().map(|line| line.split(',').collect()).collect();
+    assert_eq!(cells.len(), 1 + 2 * 4);
+    assert!(cells.iter().all(|row| row.len() == cells[0].len()), "{csv}");
+    assert_eq!(cells[2][..3], ["30", "h0000", "lixel"]);
+
+    let text = table(&found, &summary);
+    assert!(text.contains("/ scene-optimal [95 %]") && text.contains("worst by"), "{text}");
+    assert_eq!(summary.methods[0].ratio.of_sums, Some(1.0));
+    assert_eq!(summary.worst[0].lights, 1);
+    let svg = scatter(&found);
+    assert_eq!(svg.matches("r=\"2.5\"").count(), 2 * 4, "{svg}");
+}
+
+#[test]
+fn texels_are_searched_for_a_bound() {
+    let mut job = job(1);
+    job.job.quality.epsilon = Some(0.05);
+    job.job.map.step = 1.5;
+    let found = run(&job, &params(Question::Epsilon, BiasChoice::Plan), 1);
+    assert_eq!((found.texels, found.epsilon), (None, Some(0.05)));
+    for method in &found.methods {
+        let measured = method.per_light[0].measured.clone().unwrap();
+        let needed = measured.needed.unwrap();
+        assert!(needed.met && measured.misclassified as f64 <= 0.05 * found.pixels as f64, "{}", method.method);
+        assert_eq!(needed.texels, measured.texels);
+    }
+    let summary = summarise(&found);
+    assert_eq!((summary.reference.as_str(), summary.methods[1].ratio.of_sums), ("lixel", Some(1.0)));
+    assert!(table(&found, &summary).contains("texels / lixel [95 %]"));
+}
+
+#[test]
+fn a_wish_to_stop_is_heard() {
+    let cancel = AtomicBool::new(true);
+    let watch = Watch { progress: &|_| {}, cancel: &cancel, notes: &|_| {} };
+    let stopped = compare(&job(1), &params(Question::Texels(100), BiasChoice::Plan), &watch);
+    assert!(matches!(stopped, Err(PlanError::Cancelled)));
+}
+
+#[test]
+fn the_command_prints_the_table_and_writes_pictures() {
+    let dir = tempfile::tempdir().unwrap();
+    let lixel = |args: &[&str]| {
+        let mut command = Command::new(assert_cmd::cargo::cargo_bin!("lixel"));
+        let Output { status, stdout, stderr } =
+            command.current_dir(dir.path()).arg("compare").arg(courtyard()).args(args).output().unwrap();
+        (status.code(), String::from_utf8(stdout).unwrap(), String::from_utf8(stderr).unwrap())
+    };
+    let small = ["--frames", "30", "--size", "60x40", "--texels", "900", "--methods", "lixel,normal"];
+    let (code, stdout, stderr) =
+        lixel(&[&small[..], &["--lights", "random-hemisphere:3-4:1", "-o", "out", "--json", "a.json"]].concat());
+    assert_eq!((code, stderr.as_str()), (Some(0), ""));
+    assert!(stdout.starts_with("2 lights (2 with every method, 0 without a visible shadow), 2400 pixels"), "{stdout}");
+    let picture = std::fs::File::open(dir.path().join("out/frame0030-001-h0004.png")).unwrap();
+    let reader = png::Decoder::new(std::io::BufReader::new(picture)).read_info().unwrap();
+    assert_eq!(reader.info().size(), (2 * 60 + 4, 40 + 23));
+    assert!(dir.path().join("out/predicted.svg").is_file() && dir.path().join("a.json").is_file());
+
+    for bad in [
+        &["--lights", "random-hemisphere:0:1"][..],
+        &["--methods", "magic"],
+        &["--texels", "0"],
+        &["--texels", "100", "--resolution", "10x10"],
+        &["--texels", "100", "--epsilon", "0.1"],
+        &["--resolution", "0x10"],
+    ] {
+        let (code, stdout, stderr) = lixel(bad);
+        assert_eq!((code, stdout.as_str()), (Some(2), ""), "{bad:?}: {stderr}");
+    }
+    let (code, _, stderr) = lixel(&["--csv", "none/a.csv"]);
+    assert_eq!(code, Some(1));
+    assert!(stderr.starts_with("error: cannot write none/a.csv: "), "{stderr}");
+}
