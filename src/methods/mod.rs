@@ -2,14 +2,19 @@
 //!
 //! A region is a homography of a light plane with the points that look it up. Row 3, sizes and bias come later.
 
+mod along;
+mod body;
 mod focused;
+mod lispsm;
 mod lixel;
 mod normal;
 mod params;
 mod plane;
+mod psm;
 mod region;
 mod scene_optimal;
 mod split;
+mod tsm;
 
 pub use params::SolverParams;
 pub use region::{Domain, Prediction, Region, Report};
@@ -35,6 +40,12 @@ pub enum Method {
     Focused,
     /// Scene-optimised shadow mapping, Algorithm 1 as published.
     SceneOptimal,
+    /// Perspective shadow maps: the light in the camera's post-perspective space.
+    Psm,
+    /// Trapezoidal shadow maps: the trapezoid around the view, a share of its depth onto a share of the map.
+    Tsm,
+    /// Light space perspective shadow maps: a perspective along the view, balanced between its near and far end.
+    Lispsm,
 }
 
 /// What a method gets: one light in one frame.
@@ -79,6 +90,24 @@ pub enum Inapplicable {
     /// The camera and the light have no common volume.
     #[error("the camera's view, the light's reach and the scene have no common volume")]
     NoCommonVolume,
+    /// A visible point behind the light's image plane.
+    #[error("a covered point lies behind the image plane that the method gives the light")]
+    CoveredBehindLight,
+    /// A warp was asked of a renderer that carries none.
+    #[error("the method is a perspective warp, which map.shape forbids: allow \"projective\"")]
+    ShapeForbidsWarp,
+    /// The warp's vanishing line crosses what is to be covered.
+    #[error("covered points lie on both sides of the warp's vanishing line (w = 0)")]
+    StraddlesVanishingLine,
+    /// LiSPSM: z1/z0 is not a positive number.
+    #[error("no n_opt: the near end of the body, seen from the light, does not lie in front of the camera")]
+    NoOptimalNear,
+    /// TSM: the view axis passes through the light.
+    #[error("no centre line: the camera looks along the light, the near and far ends of its view coincide in the map")]
+    NoCentreLine,
+    /// PSM: the light stands in the unit cube of the post-perspective space.
+    #[error("in the camera's post-perspective space the light stands inside or too near to the view")]
+    LightInView,
 }
 
 impl From<LightSpaceError> for Inapplicable {
@@ -98,5 +127,8 @@ pub fn solve(method: Method, inputs: &Inputs) -> Result<Vec<Region>, Inapplicabl
         Method::SceneOptimal => scene_optimal::solve(region_inputs, axis),
         Method::Normal => normal::solve(region_inputs, axis),
         Method::Focused => focused::solve(region_inputs, axis),
+        Method::Psm => psm::solve(region_inputs, axis),
+        Method::Tsm => tsm::solve(region_inputs, axis),
+        Method::Lispsm => lispsm::solve(region_inputs, axis),
     })
 }

@@ -21,6 +21,13 @@ pub struct SolverParams {
     pub tolerance: f64,
     /// How far the search goes.
     pub effort: Effort,
+    /// `psm`: the camera slides back until the plane at infinity lies at this depth or deeper, in the post-perspective
+    /// depth of its view, where 0 is near and 1 is far; at least 1. 1 = never.
+    pub psm_infinity: f64,
+    /// `tsm`: share of the trapezoid's depth, from its top, that is in focus, in (0, 1).
+    pub tsm_depth: f64,
+    /// `tsm`: share of the map that the focus gets, in (0, 1). Equal to `tsm_depth` = no warp.
+    pub tsm_focus: f64,
 }
 
 impl Default for SolverParams {
@@ -31,6 +38,9 @@ impl Default for SolverParams {
             rounds: 6,
             tolerance: 0.001,
             effort: Effort::default(),
+            psm_infinity: 1.5,
+            tsm_depth: 0.52,
+            tsm_focus: 0.8,
         }
     }
 }
