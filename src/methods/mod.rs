@@ -90,8 +90,8 @@ pub enum Inapplicable {
     /// The camera and the light have no common volume.
     #[error("the camera's view, the light's reach and the scene have no common volume")]
     NoCommonVolume,
-    /// A visible point behind the light's image plane.
-    #[error("a covered point lies behind the image plane that the method gives the light")]
+    /// A visible point at or behind the light.
+    #[error("a covered point lies at the light, or behind the image plane that the method gives the light")]
     CoveredBehindLight,
     /// A warp was asked of a renderer that carries none.
     #[error("the method is a perspective warp, which map.shape forbids: allow \"projective\"")]
@@ -122,7 +122,7 @@ impl From<LightSpaceError> for Inapplicable {
 /// The maps of one light in one frame. The first region whose domain holds a point answers; together they hold every
 /// covered point.
 pub fn solve(method: Method, inputs: &Inputs) -> Result<Vec<Region>, Inapplicable> {
-    split::by_cube_faces(inputs, |region_inputs, axis| match method {
+    let regions = split::by_cube_faces(inputs, |region_inputs, axis| match method {
         Method::Lixel => lixel::solve(region_inputs, axis),
         Method::SceneOptimal => scene_optimal::solve(region_inputs, axis),
         Method::Normal => normal::solve(region_inputs, axis),
@@ -130,5 +130,14 @@ pub fn solve(method: Method, inputs: &Inputs) -> Result<Vec<Region>, Inapplicabl
         Method::Psm => psm::solve(region_inputs, axis),
         Method::Tsm => tsm::solve(region_inputs, axis),
         Method::Lispsm => lispsm::solve(region_inputs, axis),
+    })?;
+    if inputs.covered.iter().all(|p| held(&regions, *p)) { Ok(regions) } else { Err(Inapplicable::CoveredBehindLight) }
+}
+
+/// Whether the region that a point looks up holds it.
+fn held(regions: &[Region], point: DVec3) -> bool {
+    regions.iter().find(|r| r.domain.holds(point)).is_some_and(|region| {
+        let p = region.h * region.space.q(point);
+        p.z > 0.0 && p.x >= 0.0 && p.x <= p.z && p.y >= 0.0 && p.y <= p.z
     })
 }

@@ -13,8 +13,8 @@
 //! All three rows vanish at ℓ, so they are rows of the light plane. ℓ_w = 0 is an orthographic light camera, ℓ_w > 0 a
 //! perspective one; ℓ_w < 0 is the light behind the camera, a sink instead of a source, for which Kozlov inverts near and
 //! far. That concerns depth alone: rows 1, 2, 4 are the same, and the depth row fitted later keeps casters before
-//! receivers. So light kinds change without a switch. The rectangle is the smallest around the body as the light camera
-//! sees it, which may turn by a jump when two are equally small.
+//! receivers. So light kinds change without a switch. The light camera's up, and so the box of the map, is the view axis;
+//! where it looks exactly along that, the camera's up.
 
 use super::body::{Rectangle, body, refit};
 use super::{Inapplicable, Inputs, Region};
@@ -38,7 +38,7 @@ pub(super) fn solve(inputs: &Inputs, axis: Option<DVec3>) -> Result<Region, Inap
     let rows = light_camera(&cube, light).ok_or(Inapplicable::LightInView)?;
     let plane = body.plane;
     let base = rows.map(|row| plane.normalisation.row(row_on_q(&plane.space, eye, row)));
-    match refit(inputs, plane, &base, Rectangle::MinimumArea, 1) {
+    match refit(inputs, plane, &base, Rectangle::Axes, 1) {
         Err(Inapplicable::StraddlesVanishingLine) => Err(Inapplicable::LightInView),
         other => other,
     }
@@ -76,7 +76,8 @@ fn unit_cube(inputs: &Inputs, points: &[DVec3]) -> Option<[DVec4; 4]> {
 fn light_camera(cube: &[DVec4; 4], light: DVec4) -> Option<[DVec4; 3]> {
     let towards = light.xyz().try_normalize()?;
     let on_cube = |e: DVec3| cube[0] * e.x + cube[1] * e.y + cube[2] * e.z;
-    let e1 = towards.any_orthonormal_vector();
+    let right = |up: DVec3| up.cross(towards).try_normalize();
+    let e1 = right(DVec3::Z).or(right(DVec3::Y))?;
     let w = cube[3] - on_cube(towards) * (light.w / light.xyz().length());
     Some([on_cube(e1), on_cube(towards.cross(e1)), w])
 }

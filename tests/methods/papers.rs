@@ -1,0 +1,1 @@
+//! The published methods against the figures and curves of their papers.

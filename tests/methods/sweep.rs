@@ -1,0 +1,1 @@
+//! Dueling frusta.
