@@ -49,5 +49,5 @@ pub(super) fn region(inputs: &Inputs, body: Body, warp: &Warp) -> Result<Region,
     if !rows.iter().all(|r| r.is_finite()) {
         return Err(Inapplicable::NoFiniteFit);
     }
-    refit(inputs, body.plane, &rows, Rectangle::Axes, 1)
+    refit(inputs, body.plane, &rows, Rectangle::Axes)
 }

@@ -20,13 +20,10 @@
 //! passes the eye depth of e makes n jump, as in the paper.
 
 use super::along::{Warp, across, extent, region};
-use super::body::{Body, body};
+use super::body::{Body, body, least};
 use super::{Inapplicable, Inputs, Region};
 use crate::scene::Projection;
 use glam::{DVec2, DVec3};
-
-/// Eye depths closer than this part of the body's largest count as one: rounding of its vertices.
-const TIE: f64 = 1e-9;
 
 /// Solves one region.
 pub(super) fn solve(inputs: &Inputs, axis: Option<DVec3>) -> Result<Region, Inapplicable> {
@@ -41,7 +38,7 @@ fn warp(inputs: &Inputs, body: &Body) -> Result<Warp, Inapplicable> {
     let camera = inputs.camera;
     let up = camera.world_from_camera.y_axis;
     let along = in_plane(camera.forward()).or(in_plane(up)).ok_or(Inapplicable::NoFiniteFit)?;
-    let e = nearest(inputs, body).ok_or(Inapplicable::NoCommonVolume)?;
+    let e = least(&body.vertices, |p| eye_depth(inputs, p)).ok_or(Inapplicable::NoCommonVolume)?;
     let near = extent(body.vertices.iter().map(|p| body.flat(*p)), along);
     let strength = match camera.projection {
         Projection::Orthographic { .. } => 0.0,
@@ -53,15 +50,6 @@ fn warp(inputs: &Inputs, body: &Body) -> Result<Warp, Inapplicable> {
     let (top, _) = extent(body.plane.hull.iter().copied(), along);
     let strength = strength / (1.0 + strength * (top - near.0));
     Ok(Warp { along, centre: across(along).dot(body.flat(e)), top, strength })
-}
-
-/// The vertex of the body that is nearest to the camera in depth; the mean of several.
-fn nearest(inputs: &Inputs, body: &Body) -> Option<DVec3> {
-    let depths = || body.vertices.iter().map(|p| eye_depth(inputs, *p));
-    let (least, most) = depths().fold((f64::INFINITY, 0.0_f64), |(lo, hi), d| (lo.min(d), hi.max(d.abs())));
-    let ties: Vec<DVec3> =
-        body.vertices.iter().zip(depths()).filter(|(_, d)| *d - least <= TIE * most).map(|(p, _)| *p).collect();
-    (!ties.is_empty()).then(|| super::lixel::centre(&ties))
 }
 
 fn eye_depth(inputs: &Inputs, point: DVec3) -> f64 {

@@ -5,18 +5,22 @@
 mod along;
 mod body;
 mod focused;
+mod homography_area;
 mod lispsm;
 mod lixel;
 mod normal;
+mod on_plane;
 mod params;
 mod plane;
+mod plane_fit;
+mod plane_optimal;
 mod psm;
 mod region;
 mod scene_optimal;
 mod split;
 mod tsm;
 
-pub use params::SolverParams;
+pub use params::{AreaOver, SolverParams};
 pub use region::{Domain, Prediction, Region, Report};
 
 use crate::fit::{Aspect, Shape};
@@ -46,6 +50,10 @@ pub enum Method {
     Tsm,
     /// Light space perspective shadow maps: a perspective along the view, balanced between its near and far end.
     Lispsm,
+    /// Constant sampling of the film on one plane of the scene.
+    PlaneOptimal,
+    /// Film areas and map areas as equal as can be, over samples or a model of them.
+    HomographyArea,
 }
 
 /// What a method gets: one light in one frame.
@@ -108,6 +116,23 @@ pub enum Inapplicable {
     /// PSM: the light stands in the unit cube of the post-perspective space.
     #[error("in the camera's post-perspective space the light stands inside or too near to the view")]
     LightInView,
+    /// Nothing to fit a plane or a distribution to.
+    #[error(
+        "no shadow edge that the light does not graze: the method has nothing to measure; give solver.plane to \"plane-optimal\""
+    )]
+    NoEdges,
+    /// The given plane has no normal.
+    #[error("solver.plane = [a, b, c, d] needs finite numbers and a normal (a, b, c) that is not zero")]
+    NoPlane,
+    /// The film sees the plane as a line.
+    #[error("the camera lies on the plane, which it sees as a line")]
+    CameraOnPlane,
+    /// The light sees the plane as a line.
+    #[error("the light lies on the plane, or shines along it")]
+    LightOnPlane,
+    /// Eq. 12: α (C - X) + (1 - α) (L - X) = 0.
+    #[error("the normal between camera and light vanishes: they stand on opposite sides of the cover")]
+    VanishingNormal,
 }
 
 impl From<LightSpaceError> for Inapplicable {
@@ -130,6 +155,8 @@ pub fn solve(method: Method, inputs: &Inputs) -> Result<Vec<Region>, Inapplicabl
         Method::Psm => psm::solve(region_inputs, axis),
         Method::Tsm => tsm::solve(region_inputs, axis),
         Method::Lispsm => lispsm::solve(region_inputs, axis),
+        Method::PlaneOptimal => plane_optimal::solve(region_inputs, axis),
+        Method::HomographyArea => homography_area::solve(region_inputs, axis),
     })?;
     if inputs.covered.iter().all(|p| held(&regions, *p)) { Ok(regions) } else { Err(Inapplicable::CoveredBehindLight) }
 }

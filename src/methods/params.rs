@@ -28,6 +28,25 @@ pub struct SolverParams {
     pub tsm_depth: f64,
     /// `tsm`: share of the map that the focus gets, in (0, 1). Equal to `tsm_depth` = no warp.
     pub tsm_focus: f64,
+    /// `plane-optimal`: the plane [a, b, c, d] of points with a x + b y + c z + d = 0 in the scene's coordinates. Absent =
+    /// the plane that holds most shadow edge.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub plane: Option<[f64; 4]>,
+    /// `homography-area`: over what the areas are compared.
+    pub area: AreaOver,
+}
+
+/// `solver.area`: over what `homography-area` compares areas.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum AreaOver {
+    /// The samples of the shadow edges, over all homographies.
+    #[default]
+    Samples,
+    /// A normal distribution fitted to them, over all homographies.
+    Normal,
+    /// The samples, over the planes whose normals lie between camera and light.
+    Alpha,
 }
 
 impl Default for SolverParams {
@@ -41,6 +60,8 @@ impl Default for SolverParams {
             psm_infinity: 1.5,
             tsm_depth: 0.52,
             tsm_focus: 0.8,
+            plane: None,
+            area: AreaOver::default(),
         }
     }
 }

@@ -38,7 +38,7 @@ pub(super) fn solve(inputs: &Inputs, axis: Option<DVec3>) -> Result<Region, Inap
     let rows = light_camera(&cube, light).ok_or(Inapplicable::LightInView)?;
     let plane = body.plane;
     let base = rows.map(|row| plane.normalisation.row(row_on_q(&plane.space, eye, row)));
-    match refit(inputs, plane, &base, Rectangle::Axes, 1) {
+    match refit(inputs, plane, &base, Rectangle::Axes) {
         Err(Inapplicable::StraddlesVanishingLine) => Err(Inapplicable::LightInView),
         other => other,
     }

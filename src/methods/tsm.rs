@@ -35,10 +35,8 @@ fn warp(inputs: &Inputs, body: &Body) -> Result<Warp, Inapplicable> {
     // The view axis as a line of the light plane: through its points at the camera and at infinity.
     let (eye, view) = (space.q(inputs.camera.position), space.dq(inputs.camera.forward()));
     let towards = view.truncate() * eye.z - eye.truncate() * view.z;
-    let along = towards
-        .try_normalize()
-        .filter(|_| towards.length() > CENTRE_LINE_MIN * eye.length())
-        .ok_or(Inapplicable::NoCentreLine)?;
+    let least = CENTRE_LINE_MIN * if space.directional { 1.0 } else { eye.length() };
+    let along = towards.try_normalize().filter(|_| towards.length() > least).ok_or(Inapplicable::NoCentreLine)?;
     let line = eye.cross(view);
     let aside = across(along);
     let on_line = aside * (-line.z / line.truncate().dot(aside));

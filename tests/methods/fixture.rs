@@ -8,7 +8,7 @@ use lixel::samples::EdgePoint;
 use lixel::scene::{Camera, Film, Light, LightKind, Projection};
 
 /// Every method.
-pub const ALL: [Method; 7] = [
+pub(crate) const ALL: [Method; 9] = [
     Method::Lixel,
     Method::Normal,
     Method::Focused,
@@ -16,23 +16,25 @@ pub const ALL: [Method; 7] = [
     Method::Psm,
     Method::Tsm,
     Method::Lispsm,
+    Method::PlaneOptimal,
+    Method::HomographyArea,
 ];
 
 /// Owned inputs.
 #[derive(Clone)]
-pub struct Setup {
-    pub camera: Camera,
-    pub film: Film,
-    pub light: Light,
-    pub bounds: Bounds,
-    pub edges: Vec<EdgePoint>,
-    pub covered: Vec<DVec3>,
-    pub aspect: Aspect,
-    pub solver: SolverParams,
+pub(crate) struct Setup {
+    pub(crate) camera: Camera,
+    pub(crate) film: Film,
+    pub(crate) light: Light,
+    pub(crate) bounds: Bounds,
+    pub(crate) edges: Vec<EdgePoint>,
+    pub(crate) covered: Vec<DVec3>,
+    pub(crate) aspect: Aspect,
+    pub(crate) solver: SolverParams,
 }
 
 impl Setup {
-    pub fn solve(&self, method: Method) -> Result<Vec<Region>, Inapplicable> {
+    pub(crate) fn solve(&self, method: Method) -> Result<Vec<Region>, Inapplicable> {
         let inputs = Inputs {
             camera: &self.camera,
             film: self.film,
@@ -49,16 +51,16 @@ impl Setup {
         solve(method, &inputs)
     }
 
-    pub fn with_light(&self, kind: LightKind) -> Setup {
+    pub(crate) fn with_light(&self, kind: LightKind) -> Setup {
         Setup { light: Light { name: "l".into(), kind }, ..self.clone() }
     }
 
-    pub fn with_direction(&self, direction: DVec3) -> Setup {
+    pub(crate) fn with_direction(&self, direction: DVec3) -> Setup {
         self.with_light(LightKind::Directional { direction: direction.normalize() })
     }
 
     /// The same world turned by `rotation`, scaled, and moved. Its bounds are those of the turned corners.
-    pub fn moved(&self, rotation: DQuat, scale: f64, translation: DVec3) -> Setup {
+    pub(crate) fn moved(&self, rotation: DQuat, scale: f64, translation: DVec3) -> Setup {
         let point = |p: DVec3| rotation * p * scale + translation;
         let mut moved = self.clone();
         moved.camera.position = point(self.camera.position);
@@ -86,17 +88,21 @@ impl Setup {
             edge.derivatives = edge.derivatives.map(|d| rotation * d * scale);
         }
         moved.covered = self.covered.iter().map(|p| point(*p)).collect();
+        if let Some([a, b, c, d]) = self.solver.plane {
+            let n = rotation * DVec3::new(a, b, c);
+            moved.solver.plane = Some([n.x, n.y, n.z, d * scale - n.dot(translation)]);
+        }
         moved
     }
 }
 
 /// A plane n·X = d.
-type Wall = (DVec3, f64);
-pub const FLOOR: Wall = (DVec3::Y, 0.0);
+pub(crate) type Wall = (DVec3, f64);
+pub(crate) const FLOOR: Wall = (DVec3::Y, 0.0);
 const BACK: Wall = (DVec3::Z, -30.0);
 
 /// A camera at `position` that looks along `forward`, upright.
-pub fn camera(position: DVec3, forward: DVec3, projection: Projection) -> Camera {
+pub(crate) fn camera(position: DVec3, forward: DVec3, projection: Projection) -> Camera {
     let back = -forward.normalize();
     let right = DVec3::Y.cross(back).normalize();
     Camera {
@@ -110,7 +116,7 @@ pub fn camera(position: DVec3, forward: DVec3, projection: Projection) -> Camera
 }
 
 /// A camera 1.7 m over a floor that ends at a wall, shadow edges on both, a low sun from the side.
-pub fn room() -> Setup {
+pub(crate) fn room() -> Setup {
     let camera =
         camera(DVec3::new(0.3, 1.7, 0.0), DVec3::new(0.1, -0.15, -1.0), Projection::Perspective { yfov_rad: 0.9 });
     let bounds = Bounds { min: DVec3::new(-80.0, -80.0, -80.0), max: DVec3::new(85.0, 90.0, 88.0) };
@@ -118,7 +124,7 @@ pub fn room() -> Setup {
 }
 
 /// Edges on floor and wall wherever the camera sees them.
-pub fn setup(camera: Camera, bounds: Bounds, direction: DVec3) -> Setup {
+pub(crate) fn setup(camera: Camera, bounds: Bounds, direction: DVec3) -> Setup {
     let film = Film { width: 160, height: 120 };
     let mut edges = Vec::new();
     for k in 0..240_u32 {
@@ -136,7 +142,7 @@ pub fn setup(camera: Camera, bounds: Bounds, direction: DVec3) -> Setup {
 }
 
 /// The nearer of floor and wall at a film position.
-pub fn edge(camera: &Camera, film: Film, x: f64, y: f64, normal: DVec2) -> Option<EdgePoint> {
+pub(crate) fn edge(camera: &Camera, film: Film, x: f64, y: f64, normal: DVec2) -> Option<EdgePoint> {
     [FLOOR, BACK]
         .iter()
         .filter_map(|wall| edge_on(camera, film, *wall, x, y, normal))
@@ -144,7 +150,7 @@ pub fn edge(camera: &Camera, film: Film, x: f64, y: f64, normal: DVec2) -> Optio
 }
 
 /// An edge point of a given plane.
-pub fn edge_on(camera: &Camera, film: Film, (n, d): Wall, x: f64, y: f64, normal: DVec2) -> Option<EdgePoint> {
+pub(crate) fn edge_on(camera: &Camera, film: Film, (n, d): Wall, x: f64, y: f64, normal: DVec2) -> Option<EdgePoint> {
     let (origin, direction) = camera.ray(film, x, y);
     let t = (d - n.dot(origin)) / n.dot(direction);
     if !(t > camera.near && camera.far.is_none_or(|far| t < far)) {
@@ -159,7 +165,7 @@ pub fn edge_on(camera: &Camera, film: Film, (n, d): Wall, x: f64, y: f64, normal
 }
 
 /// Map position and w of a point in its region; `None` where no domain holds it.
-pub fn place(regions: &[Region], point: DVec3) -> Option<(usize, DVec2, f64)> {
+pub(crate) fn place(regions: &[Region], point: DVec3) -> Option<(usize, DVec2, f64)> {
     let index = regions.iter().position(|r| r.domain.holds(point))?;
     let region = &regions[index];
     let p = region.h * region.space.q(point);
@@ -167,7 +173,7 @@ pub fn place(regions: &[Region], point: DVec3) -> Option<(usize, DVec2, f64)> {
 }
 
 /// Finite, det > 0, and every covered point inside the unit square in front of the light.
-pub fn assert_covers(setup: &Setup, regions: &[Region], what: &str) {
+pub(crate) fn assert_covers(setup: &Setup, regions: &[Region], what: &str) {
     assert!(!regions.is_empty(), "{what}");
     for region in regions {
         assert!(region.h.is_finite() && region.h.determinant() > 0.0, "{what}: {:?}", region.h);
@@ -178,4 +184,11 @@ pub fn assert_covers(setup: &Setup, regions: &[Region], what: &str) {
         let inside = uv.cmpge(DVec2::ZERO).all() && uv.cmple(DVec2::ONE).all();
         assert!(w > 0.0 && inside, "{what}: {point} at {uv}, w = {w}");
     }
+}
+
+/// ∂(u, v)/∂(scene vector) at a point: gradients of u and v.
+pub(crate) fn gradients(region: &Region, point: DVec3) -> [DVec3; 2] {
+    let rows = [region.h.row(0), region.h.row(1), region.h.row(2)].map(|r| region.space.row_from_q(r));
+    let [u, v, w] = rows.map(|r| r.dot(point.extend(1.0)));
+    [(u, rows[0]), (v, rows[1])].map(|(p, row)| (row.truncate() - rows[2].truncate() * (p / w)) / w)
 }

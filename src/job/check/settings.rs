@@ -80,5 +80,11 @@ pub(super) fn solver(solver: &SolverParams) -> Result<(), Problem> {
     for (key, share) in [("solver.tsm_depth", solver.tsm_depth), ("solver.tsm_focus", solver.tsm_focus)] {
         require(share > 0.0 && share < 1.0, key, share, "between 0 and 1, both excluded")?;
     }
+    if let Some(plane) = solver.plane
+        && !(plane.iter().all(|v| v.is_finite()) && plane[..3].iter().any(|v| *v != 0.0))
+    {
+        let remedy = "give [a, b, c, d] of a x + b y + c z + d = 0, all finite, a, b and c not all zero";
+        return Err(problem("solver.plane", format!("{plane:?} is no plane"), remedy));
+    }
     Ok(())
 }
