@@ -28,10 +28,11 @@ pub(super) fn solve(inputs: &Inputs, axis: Option<DVec3>) -> Result<Region, Inap
     let held: Vec<DVec3> = body.vertices.iter().chain(inputs.covered).copied().collect();
     let cube = unit_cube(inputs, &held).ok_or(Inapplicable::NoCommonVolume)?;
     let eye = inputs.camera.position;
+    // Of either sign: a lamp far away counts as the direction in which its light travels.
     let light = match inputs.light.kind {
         LightKind::Directional { direction } => cube.map(|row| row.truncate().dot(direction)),
         LightKind::Point { position, .. } | LightKind::Spot { position, .. } => {
-            cube.map(|row| row.dot((position - eye).extend(1.0)))
+            cube.map(|row| -row.dot((position - eye).extend(1.0)))
         }
     };
     let light = DVec4::from_array(light);

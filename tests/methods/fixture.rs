@@ -30,6 +30,7 @@ pub(crate) struct Setup {
     pub(crate) edges: Vec<EdgePoint>,
     pub(crate) covered: Vec<DVec3>,
     pub(crate) aspect: Aspect,
+    pub(crate) texels: f64,
     pub(crate) solver: SolverParams,
 }
 
@@ -42,7 +43,7 @@ impl Setup {
             bounds: self.bounds,
             edges: &self.edges,
             covered: &self.covered,
-            texels: 160_000.0,
+            texels: self.texels,
             aspect: self.aspect,
             shape: Shape::Projective,
             solver: &self.solver,
@@ -138,7 +139,7 @@ pub(crate) fn setup(camera: Camera, bounds: Bounds, direction: DVec3) -> Setup {
     let covered = edges.iter().map(|e| e.position).collect();
     let light = Light { name: "l".into(), kind: LightKind::Directional { direction: direction.normalize() } };
     let solver = SolverParams::default();
-    Setup { camera, film, light, bounds, edges, covered, aspect: Aspect::Fixed(1.0), solver }
+    Setup { camera, film, light, bounds, edges, covered, aspect: Aspect::Fixed(1.0), texels: 160_000.0, solver }
 }
 
 /// The nearer of floor and wall at a film position.
