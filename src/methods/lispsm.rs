@@ -25,6 +25,9 @@ use super::{Inapplicable, Inputs, Region};
 use crate::scene::Projection;
 use glam::{DVec2, DVec3};
 
+/// Sine of the angle to the light below which the direction of the projected view is rounding.
+const ALONG_LIGHT: f64 = 1e-9;
+
 /// Solves one region.
 pub(super) fn solve(inputs: &Inputs, axis: Option<DVec3>) -> Result<Region, Inapplicable> {
     let body = body(inputs, axis)?;
@@ -34,7 +37,10 @@ pub(super) fn solve(inputs: &Inputs, axis: Option<DVec3>) -> Result<Region, Inap
 
 fn warp(inputs: &Inputs, body: &Body) -> Result<Warp, Inapplicable> {
     let axes = body.plane.space.axes;
-    let in_plane = |v: DVec3| DVec2::new(axes[0].dot(v), axes[1].dot(v)).try_normalize();
+    let in_plane = |v: DVec3| {
+        let v = DVec2::new(axes[0].dot(v), axes[1].dot(v));
+        v.try_normalize().filter(|_| v.length() > ALONG_LIGHT)
+    };
     let camera = inputs.camera;
     let up = camera.world_from_camera.y_axis;
     let along = in_plane(camera.forward()).or(in_plane(up)).ok_or(Inapplicable::NoFiniteFit)?;

@@ -3,6 +3,7 @@
 use super::Method;
 use crate::fit::Effort;
 use crate::metric::Metric;
+use glam::DVec3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -28,8 +29,8 @@ pub struct SolverParams {
     pub tsm_depth: f64,
     /// `tsm`: share of the map that the focus gets, in (0, 1). Equal to `tsm_depth` = no warp.
     pub tsm_focus: f64,
-    /// `plane-optimal`: the plane [a, b, c, d] of points with a x + b y + c z + d = 0 in the scene's coordinates. Absent =
-    /// the plane that holds most shadow edge.
+    /// `plane-optimal`: the plane [a, b, c, d] of points with a x + b y + c z + d = 0, world space, metres. Absent = the
+    /// plane that holds most shadow edge.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub plane: Option<[f64; 4]>,
     /// `homography-area`: over what the areas are compared.
@@ -47,6 +48,14 @@ pub enum AreaOver {
     Normal,
     /// The samples, over the planes whose normals lie between camera and light.
     Alpha,
+}
+
+impl SolverParams {
+    /// The same for a scene whose zero stands at `origin`, world space.
+    pub fn in_scene_space(&self, origin: DVec3) -> SolverParams {
+        let plane = self.plane.map(|[a, b, c, d]| [a, b, c, d + DVec3::new(a, b, c).dot(origin)]);
+        SolverParams { plane, ..self.clone() }
+    }
 }
 
 impl Default for SolverParams {

@@ -22,6 +22,9 @@ use crate::math::LightSpace;
 use crate::scene::{LightKind, Projection};
 use glam::{DVec3, DVec4, Vec4Swizzles};
 
+/// Sine of the angle between light and view axis in the cube below which its direction is rounding.
+const ALONG_VIEW: f64 = 1e-9;
+
 /// Solves one region.
 pub(super) fn solve(inputs: &Inputs, axis: Option<DVec3>) -> Result<Region, Inapplicable> {
     let body = body(inputs, axis)?;
@@ -77,7 +80,10 @@ fn unit_cube(inputs: &Inputs, points: &[DVec3]) -> Option<[DVec4; 4]> {
 fn light_camera(cube: &[DVec4; 4], light: DVec4) -> Option<[DVec4; 3]> {
     let towards = light.xyz().try_normalize()?;
     let on_cube = |e: DVec3| cube[0] * e.x + cube[1] * e.y + cube[2] * e.z;
-    let right = |up: DVec3| up.cross(towards).try_normalize();
+    let right = |up: DVec3| {
+        let right = up.cross(towards);
+        right.try_normalize().filter(|_| right.length() > ALONG_VIEW)
+    };
     let e1 = right(DVec3::Z).or(right(DVec3::Y))?;
     let w = cube[3] - on_cube(towards) * (light.w / light.xyz().length());
     Some([on_cube(e1), on_cube(towards.cross(e1)), w])

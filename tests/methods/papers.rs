@@ -1,6 +1,6 @@
 //! The published methods against the figures and curves of their papers.
 
-use crate::fixture::{ALL, FLOOR, Setup, camera, edge_on, gradients, place, room, setup};
+use crate::fixture::{FLOOR, Setup, camera, edge_on, gradients, place, room, setup};
 use glam::{DVec2, DVec3};
 use lixel::math::Bounds;
 use lixel::methods::{AreaOver, Inapplicable, Method, Region};
@@ -234,4 +234,12 @@ fn far_lamps_are_suns() {
             assert!(u.abs_diff_eq(v, 1e-4), "{method:?}: {p} at {u} and {v}");
         }
     }
+}
+
+/// The user's plane is in world space, the solver's in scene space.
+#[test]
+fn a_given_plane_moves_with_the_origin() {
+    let mut solver = room().solver;
+    solver.plane = Some([0.0, 2.0, 0.0, -6.0]); // y = 3
+    assert_eq!(solver.in_scene_space(DVec3::new(5.0, 1.0, 7.0)).plane, Some([0.0, 2.0, 0.0, -4.0])); // y = 2
 }

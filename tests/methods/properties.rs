@@ -68,33 +68,35 @@ fn is_search(method: Method) -> bool {
     matches!(method, Method::Lixel | Method::HomographyArea)
 }
 
-/// Compares two answers for the same covered points. A quarter turn of a square map is the same texel grid, and which one
-/// a minimum-area rectangle takes is rounding.
-fn assert_alike(method: Method, a: (&Setup, &[Region]), b: (&Setup, &[Region]), tolerance: f64, what: &str) {
-    assert_eq!(a.1.len(), b.1.len(), "{method:?}, {what}");
+/// How two answers for the same covered points differ, if they do. A quarter turn of a square map is the same texel grid,
+/// and which one a minimum-area rectangle takes is rounding.
+fn difference(method: Method, a: (&Setup, &[Region]), b: (&Setup, &[Region]), tolerance: f64) -> Option<String> {
+    if a.1.len() != b.1.len() {
+        return Some(format!("{} maps and {}", a.1.len(), b.1.len()));
+    }
     if is_search(method) {
-        let sum = |regions: &[Region]| regions.iter().map(|r| r.predict(160_000.0).misclassified).sum::<f64>();
+        let sum = |regions: &[Region]| regions.iter().map(|r| r.predict(a.0.texels).misclassified).sum::<f64>();
         let (x, y) = (sum(a.1), sum(b.1));
-        assert!((x / y - 1.0).abs() < 0.02, "{method:?}, {what}: {x} {y}");
-        return;
+        return ((x / y - 1.0).abs() > SEARCHED).then(|| format!("{x} and {y} wrong pixels"));
     }
     let pairs: Vec<(usize, DVec2, DVec2)> = (a.0.covered.iter().zip(&b.0.covered))
         .map(|(p, q)| (place(a.1, *p).unwrap(), place(b.1, *q).unwrap()))
         .map(|((map, u, _), (_, v, _))| (map, u, v))
         .collect();
-    for map in 0..a.1.len() {
-        let off = |turn: DVec2| {
-            let turned = |v: DVec2| turn.rotate(v - 0.5) + 0.5;
-            pairs
-                .iter()
-                .filter(|p| p.0 == map)
-                .map(|(_, u, v)| (*u - turned(*v)).abs().max_element())
-                .fold(0.0, f64::max)
-        };
-        let least = [DVec2::X, DVec2::Y, -DVec2::X, -DVec2::Y].map(off).into_iter().fold(f64::INFINITY, f64::min);
-        assert!(least < tolerance, "{method:?}, {what}: off by {least}");
-    }
+    let off = |map: usize, turn: DVec2| {
+        let turned = |v: DVec2| turn.rotate(v - 0.5) + 0.5;
+        let here = pairs.iter().filter(|p| p.0 == map);
+        here.map(|(_, u, v)| (*u - turned(*v)).abs().max_element()).fold(0.0, f64::max)
+    };
+    let least = |map: usize| {
+        [DVec2::X, DVec2::Y, -DVec2::X, -DVec2::Y].map(|t| off(map, t)).into_iter().fold(f64::INFINITY, f64::min)
+    };
+    let worst = (0..a.1.len()).map(least).fold(0.0, f64::max);
+    (worst > tolerance).then(|| format!("off by {worst}"))
 }
+
+/// Relative difference in predicted wrong pixels that two runs of a search may have.
+const SEARCHED: f64 = 0.02;
 
 #[test]
 fn the_order_of_samples_does_not_matter() {
@@ -109,7 +111,8 @@ fn the_order_of_samples_does_not_matter() {
             let (Some(a), Some(b)) = (solved(&setup, method), solved(&shuffled, method)) else { continue };
             // Compared at the points of the first.
             let same = Setup { covered: setup.covered.clone(), ..shuffled.clone() };
-            assert_alike(method, (&setup, &a), (&same, &b), 1e-6, name);
+            let differs = difference(method, (&setup, &a), (&same, &b), 1e-6);
+            assert_eq!(differs, None, "{method:?}, {name}");
         }
     }
 }
@@ -117,6 +120,7 @@ fn the_order_of_samples_does_not_matter() {
 #[test]
 fn the_world_may_be_turned_scaled_and_moved() {
     let turn = DQuat::from_axis_angle(DVec3::new(0.4, -0.7, 0.2).normalize(), 1.1);
+    let mut found = Vec::new();
     for (name, kind) in lights() {
         let setup = room().with_light(kind);
         let reference: Vec<_> = ALL.iter().map(|m| solved(&setup, *m)).collect();
@@ -134,12 +138,18 @@ fn the_world_may_be_turned_scaled_and_moved() {
                     continue; // its box stands in a fixed frame of the light, around axis-aligned bounds
                 }
                 let b = solved(&other, *method);
-                assert_eq!(a.is_some(), b.is_some(), "{method:?}, {name}, {what}");
-                let (Some(a), Some(b)) = (a, b) else { continue };
-                assert_alike(*method, (&setup, a), (&other, &b), tolerance, &format!("{name}, {what}"));
+                let differs = match (a, &b) {
+                    // The cube around a light among the geometry stands on the world's axes.
+                    (Some(a), Some(b)) if rotation != DQuat::IDENTITY && a.len().max(b.len()) > 1 => None,
+                    (Some(a), Some(b)) => difference(*method, (&setup, a), (&other, b), tolerance),
+                    (None, None) => None,
+                    _ => Some("an answer and a refusal".to_owned()),
+                };
+                found.extend(differs.map(|d| format!("{method:?}, {name}, {what}: {d}")));
             }
         }
     }
+    assert!(found.is_empty(), "{found:#?}");
 }
 
 /// The numbered failure modes: an answer that covers, or a named reason; never NaN, never a panic.
