@@ -17,12 +17,7 @@ const CONE_SIDES: u32 = 8;
 
 /// Solves one region.
 pub(super) fn solve(inputs: &Inputs, axis: Option<DVec3>) -> Result<Region, Inapplicable> {
-    let mut planes = light_planes(inputs, axis);
-    planes.extend(view_planes(inputs));
-    let body = vertices(inputs, &planes);
-    if body.is_empty() {
-        return Err(Inapplicable::NoCommonVolume);
-    }
+    let body = view_body(inputs, axis)?;
     let space = match (axis, inputs.light.position()) {
         (Some(axis), Some(position)) => LightSpace::perspective(position, axis, inputs.bounds.center()),
         _ => LightSpace::around(inputs.light, &body)?,
@@ -61,6 +56,14 @@ pub(super) fn uniform_region(
         termination: Termination::Direct,
     };
     Ok(Region::new(plane, rows, aspect, report))
+}
+
+/// Vertices of view frustum ∩ light frustum ∩ scene bounds.
+pub(super) fn view_body(inputs: &Inputs, axis: Option<DVec3>) -> Result<Vec<DVec3>, Inapplicable> {
+    let mut planes = light_planes(inputs, axis);
+    planes.extend(view_planes(inputs));
+    let body = vertices(inputs, &planes);
+    if body.is_empty() { Err(Inapplicable::NoCommonVolume) } else { Ok(body) }
 }
 
 /// What the light reaches of the scene's bounds.
