@@ -6,8 +6,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use lixel::fit::{Effort, Method};
+use lixel::fit::Effort;
 use lixel::job::{Job, JobError, LoadedJob, Preset, load};
+use lixel::methods::Method;
 use lixel::resolution::{Bound, Measure};
 
 fn loaded(text: &str, overrides: &str) -> Result<LoadedJob, JobError> {
@@ -77,10 +78,10 @@ fn layers_lie_in_order() {
     let text = "scene = \"a.glb\"\npreset = \"draft\"\n[solver]\nrounds = 7\n[map]\nmax = 512";
     let from_file = job(text, "");
     assert_eq!((from_file.preset, from_file.quality.measure), (Preset::Draft, Measure::Never));
-    assert_eq!((from_file.solver.effort, from_file.solver.rounds, from_file.map.max), (Effort::Quick, 7, 512));
+    assert_eq!((from_file.solver.effort, from_file.solver.rounds, from_file.map.max), (Effort::Local, 7, 512));
     let overridden = job(text, "preset = \"thorough\"\n[map]\nmax = 1024");
     assert_eq!((overridden.preset, overridden.quality.measure), (Preset::Thorough, Measure::Always));
-    assert_eq!((overridden.solver.effort, overridden.solver.rounds, overridden.map.max), (Effort::Global, 7, 1024));
+    assert_eq!((overridden.solver.effort, overridden.solver.rounds, overridden.map.max), (Effort::Exhaustive, 7, 1024));
 }
 
 #[test]

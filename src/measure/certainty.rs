@@ -117,7 +117,7 @@ mod tests {
             certain: Counts { false_lit, false_shadow, uncovered: 0 },
             uncertain,
         };
-        assert!(verdict(60, 40, 15).meets(100.0));
+        assert!(verdict(60, 40, 14).meets(100.0));
         assert!(!verdict(60, 40, 16).meets(100.0));
         assert!(!verdict(60, 41, 0).meets(100.0));
         assert!(verdict(0, 0, 0).meets(0.0));
