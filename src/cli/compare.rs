@@ -76,6 +76,9 @@ enum BiasName {
     Plan,
     /// For each method and light the one of a fixed grid with the fewest wrong pixels
     Best,
+    /// None: every pixel is compared at the depth of its own plane at the texel's centre, which leaves the error of the
+    /// resampling alone
+    ReceiverPlane,
 }
 
 /// Texels of each light where no flag says.
@@ -134,6 +137,7 @@ pub(super) fn run(args: &CompareArgs, quiet: bool, signals: &Signals) -> Result<
         bias: match args.bias {
             BiasName::Plan => BiasChoice::Plan,
             BiasName::Best => BiasChoice::Best,
+            BiasName::ReceiverPlane => BiasChoice::ReceiverPlane,
         },
         pictures: args.output.clone(),
     };

@@ -1,6 +1,6 @@
 //! One method on one light: solved, drawn, counted.
 
-use super::{BIAS_GRID, BiasChoice, CompareParams, Measured, PerLight, Question, TexelsFor, budget};
+use super::{BIAS_GRID, BiasChoice, CompareParams, Measured, PerLight, Question, TexelsFor, budget, ideal};
 use crate::job::Job;
 use crate::math::Bounds;
 use crate::measure::Receivers;
@@ -74,7 +74,7 @@ pub(super) fn entry(
                 if budget::aspect(params.question, &job.map) == budget::aspect(Question::Epsilon, &job.map) {
                     polish(&question, case.samples, &mut fitted, &mut judge)?;
                 }
-                let (measured, found) = measure(&question, &fitted, &mut judge, params)?;
+                let (measured, found) = measure(case, &question, &fitted, &mut judge, params)?;
                 (row.measured, mask) = (Some(measured), found);
             }
             Err(reason) => row.reason = Some(reason.to_string()),
@@ -103,12 +103,12 @@ fn fit(
 }
 
 fn measure(
+    case: &Case,
     question: &FilmQuestion,
     fitted: &FittedLight,
     judge: &mut Judge,
     params: &CompareParams,
 ) -> Result<(Measured, Mask), RasterError> {
-    let plan_bias = default_bias(&question.map.bias);
     let (sizes, needed) = match budget::texels(params.question) {
         Some(texels) => (budget::sizes(&fitted.regions, &fitted.shares, texels), None),
         None => {
@@ -117,18 +117,12 @@ fn measure(
             (certified.sizes, Some(needed))
         }
     };
-    let mut best: Option<(Bias, Vec<u32>, Vec<u32>)> = None;
-    let grid: &[Bias] = if params.bias == BiasChoice::Best { &BIAS_GRID } else { &[] };
-    for bias in std::iter::once(&plan_bias).chain(grid) {
-        let drawn = judge.draw(&sizes, *bias)?;
-        let wrong = judge.wrong(&drawn);
-        let certain = judge.certain(&wrong);
-        if best.as_ref().is_none_or(|(_, _, least)| certain.len() < least.len()) {
-            best = Some((*bias, wrong, certain));
-        }
-    }
-    let (bias, wrong, certain) = best.unwrap_or((plan_bias, Vec::new(), Vec::new()));
-    let edge = judge.misplaced(&sizes, bias, &certain)?;
+    let (bias, wrong) = answers(case, question, &sizes, judge, params.bias)?;
+    let certain = judge.certain(&wrong);
+    let edge = match params.bias {
+        BiasChoice::ReceiverPlane => certain.clone(),
+        _ => judge.misplaced(&sizes, bias, &certain)?,
+    };
     let texels = sum(&sizes);
     let prediction = predict(&fitted.regions, &fitted.shares, texels as f64);
     let false_lit = certain.iter().filter(|i| judge.receivers().shadowed[**i as usize]).count() as u64;
@@ -149,6 +143,39 @@ fn measure(
         needed,
     };
     Ok((measured, Mask { certain, edge }))
+}
+
+/// The bias, and the receivers that are answered wrongly with it.
+fn answers(
+    case: &Case,
+    question: &FilmQuestion,
+    sizes: &[[u32; 2]],
+    judge: &mut Judge,
+    choice: BiasChoice,
+) -> Result<(Bias, Vec<u32>), RasterError> {
+    let plan = default_bias(&question.map.bias);
+    let grid: &[Bias] = match choice {
+        BiasChoice::Plan => &[],
+        BiasChoice::Best => &BIAS_GRID,
+        BiasChoice::ReceiverPlane => {
+            let drawn = judge.draw(sizes, Bias::NONE)?;
+            let outside = question.map.outside;
+            let wrong = ideal::wrong(case.tracer, case.view, case.camera, case.receivers, &drawn, outside);
+            return Ok((Bias::NONE, wrong));
+        }
+    };
+    let drawn = judge.draw(sizes, plan)?;
+    let wrong = judge.wrong(&drawn);
+    let mut best = (judge.certain(&wrong).len(), plan, wrong);
+    for bias in grid {
+        let drawn = judge.draw(sizes, *bias)?;
+        let wrong = judge.wrong(&drawn);
+        let certain = judge.certain(&wrong).len();
+        if certain < best.0 {
+            best = (certain, *bias, wrong);
+        }
+    }
+    Ok((best.1, best.2))
 }
 
 fn sum(sizes: &[[u32; 2]]) -> u64 {

@@ -13,6 +13,7 @@ mod entry;
 mod files;
 mod glyphs;
 mod hemisphere;
+mod ideal;
 mod params;
 mod picture;
 mod prng;

@@ -40,11 +40,10 @@ pub fn normalise(hull: &[DVec2]) -> Option<Normalisation> {
     m.is_finite().then_some(Normalisation { normal_from_plane: m })
 }
 
-/// The same without change of shape: one scale for both axes, so that angles in the light plane are kept.
+/// Without change of shape: into the unit disc, so that angles in the light plane are kept and turning it changes nothing.
 pub fn normalise_similar(hull: &[DVec2]) -> Option<Normalisation> {
     let centre = centroid(hull)?;
-    let extent = hull.iter().map(|p| (*p - centre).abs().max_element()).fold(0.0, f64::max);
-    let scale = 1.0 / extent;
+    let scale = 1.0 / hull.iter().map(|p| (*p - centre).length()).fold(0.0, f64::max);
     let m = DMat3::from_cols(DVec3::new(scale, 0.0, 0.0), DVec3::new(0.0, scale, 0.0), (-centre * scale).extend(1.0));
     m.is_finite().then_some(Normalisation { normal_from_plane: m })
 }

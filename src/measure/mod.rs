@@ -3,8 +3,12 @@
 
 mod certainty;
 mod count;
+mod edge_distance;
+mod footprint;
 mod receivers;
 
 pub use certainty::{Certainty, EDGE_ON_DEGREES, UNCERTAIN_SLACK, Verdict};
 pub use count::{Counts, Drawn, Errors, Looked, Outside, count, look_up, wrong};
+pub use edge_distance::edge_distance;
+pub use footprint::footprint;
 pub use receivers::Receivers;

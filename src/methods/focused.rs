@@ -17,12 +17,7 @@ const CONE_SIDES: u32 = 8;
 
 /// Solves one region.
 pub(super) fn solve(inputs: &Inputs, axis: Option<DVec3>) -> Result<Region, Inapplicable> {
-    let mut planes = light_planes(inputs, axis);
-    planes.extend(view_planes(inputs));
-    let body = vertices(inputs, &planes);
-    if body.is_empty() {
-        return Err(Inapplicable::NoCommonVolume);
-    }
+    let body = view_body(inputs, axis)?;
     let space = match (axis, inputs.light.position()) {
         (Some(axis), Some(position)) => LightSpace::perspective(position, axis, inputs.bounds.center()),
         _ => LightSpace::around(inputs.light, &body)?,
@@ -63,18 +58,28 @@ pub(super) fn uniform_region(
     Ok(Region::new(plane, rows, aspect, report))
 }
 
-/// What the light reaches of the scene's bounds.
-pub(super) fn light_body(inputs: &Inputs, axis: Option<DVec3>) -> Vec<DVec3> {
-    vertices(inputs, &light_planes(inputs, axis))
+/// Vertices of view frustum ∩ light frustum ∩ scene bounds.
+pub(super) fn view_body(inputs: &Inputs, axis: Option<DVec3>) -> Result<Vec<DVec3>, Inapplicable> {
+    let mut planes = light_planes(inputs, axis, inputs.camera.world_from_camera.x_axis);
+    planes.extend(view_planes(inputs));
+    let body = vertices(inputs, &planes);
+    if body.is_empty() { Err(Inapplicable::NoCommonVolume) } else { Ok(body) }
 }
 
-/// Planes (n, d), inside where n·p + d ≥ 0: scene bounds, the spot's cone, and the cube face where there is one.
-fn light_planes(inputs: &Inputs, axis: Option<DVec3>) -> Vec<DVec4> {
+/// What the light reaches of the scene's bounds.
+pub(super) fn light_body(inputs: &Inputs, axis: Option<DVec3>) -> Vec<DVec3> {
+    vertices(inputs, &light_planes(inputs, axis, DVec3::X))
+}
+
+/// Planes (n, d), inside where n·p + d ≥ 0: scene bounds, the spot's cone, and the cube face where there is one. The
+/// pyramid around a cone has a side towards `side`, so that it turns with what that belongs to.
+fn light_planes(inputs: &Inputs, axis: Option<DVec3>, side: DVec3) -> Vec<DVec4> {
     let bounds = inputs.bounds;
     let mut planes: Vec<DVec4> =
         DVec3::AXES.iter().flat_map(|a| [a.extend(-a.dot(bounds.min)), (-*a).extend(a.dot(bounds.max))]).collect();
     if let LightKind::Spot { position, direction, cone_rad, .. } = inputs.light.kind {
-        let e1 = direction.any_orthonormal_vector();
+        let e1 = side.reject_from_normalized(direction);
+        let e1 = e1.try_normalize().unwrap_or_else(|| direction.any_orthonormal_vector());
         let e2 = direction.cross(e1);
         for k in 0..CONE_SIDES {
             let (s, c) = (std::f64::consts::TAU * f64::from(k) / f64::from(CONE_SIDES)).sin_cos();

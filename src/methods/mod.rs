@@ -2,16 +2,25 @@
 //!
 //! A region is a homography of a light plane with the points that look it up. Row 3, sizes and bias come later.
 
+mod along;
+mod body;
 mod focused;
+mod homography_area;
+mod lispsm;
 mod lixel;
 mod normal;
+mod on_plane;
 mod params;
 mod plane;
+mod plane_fit;
+mod plane_optimal;
+mod psm;
 mod region;
 mod scene_optimal;
 mod split;
+mod tsm;
 
-pub use params::SolverParams;
+pub use params::{AreaOver, SolverParams};
 pub use region::{Prediction, Region, Report};
 
 use crate::fit::{Aspect, Shape};
@@ -35,6 +44,16 @@ pub enum Method {
     Focused,
     /// Scene-optimised shadow mapping, Algorithm 1 as published.
     SceneOptimal,
+    /// Perspective shadow maps: the light in the camera's post-perspective space.
+    Psm,
+    /// Trapezoidal shadow maps: the trapezoid around the view, a share of its depth onto a share of the map.
+    Tsm,
+    /// Light space perspective shadow maps: a perspective along the view, balanced between its near and far end.
+    Lispsm,
+    /// Constant sampling of the film on one plane of the scene.
+    PlaneOptimal,
+    /// Film areas and map areas as equal as can be, over samples or a model of them.
+    HomographyArea,
 }
 
 /// What a method gets: one light in one frame.
@@ -79,6 +98,41 @@ pub enum Inapplicable {
     /// The camera and the light have no common volume.
     #[error("the camera's view, the light's reach and the scene have no common volume")]
     NoCommonVolume,
+    /// A visible point at or behind the light.
+    #[error("a covered point lies at the light, or behind the image plane that the method gives the light")]
+    CoveredBehindLight,
+    /// A warp was asked of a renderer that carries none.
+    #[error("the method is a perspective warp, which map.shape forbids: allow \"projective\"")]
+    ShapeForbidsWarp,
+    /// The warp's vanishing line crosses what is to be covered.
+    #[error("covered points lie on both sides of the warp's vanishing line (w = 0)")]
+    StraddlesVanishingLine,
+    /// LiSPSM: z1/z0 is not a positive number.
+    #[error("no n_opt: the near end of the body, seen from the light, does not lie in front of the camera")]
+    NoOptimalNear,
+    /// TSM: the view axis passes through the light.
+    #[error("no centre line: the camera looks along the light, the near and far ends of its view coincide in the map")]
+    NoCentreLine,
+    /// PSM: the light stands in the unit cube of the post-perspective space.
+    #[error("in the camera's post-perspective space the light stands inside or too near to the view")]
+    LightInView,
+    /// Nothing to fit a plane or a distribution to.
+    #[error(
+        "no shadow edge that the light does not graze: the method has nothing to measure; give solver.plane to \"plane-optimal\""
+    )]
+    NoEdges,
+    /// The given plane has no normal.
+    #[error("solver.plane = [a, b, c, d] needs finite numbers and a normal (a, b, c) that is not zero")]
+    NoPlane,
+    /// The film sees the plane as a line.
+    #[error("the camera lies on the plane, which it sees as a line")]
+    CameraOnPlane,
+    /// The light sees the plane as a line.
+    #[error("the light lies on the plane, or shines along it")]
+    LightOnPlane,
+    /// Eq. 12: α (C - X) + (1 - α) (L - X) = 0.
+    #[error("the normal between camera and light vanishes: they stand on opposite sides of the cover")]
+    VanishingNormal,
 }
 
 impl From<LightSpaceError> for Inapplicable {
@@ -93,11 +147,25 @@ impl From<LightSpaceError> for Inapplicable {
 /// The maps of one light in one frame. The first region whose domain holds a point answers; together they hold every
 /// covered point.
 pub fn solve(method: Method, inputs: &Inputs) -> Result<Vec<Region>, Inapplicable> {
-    split::by_cube_faces(inputs, |region_inputs, axis| match method {
+    let regions = split::by_cube_faces(inputs, |region_inputs, axis| match method {
         Method::Lixel => lixel::solve(region_inputs, axis),
         Method::SceneOptimal => scene_optimal::solve(region_inputs, axis),
         Method::Normal => normal::solve(region_inputs, axis),
         Method::Focused => focused::solve(region_inputs, axis),
+        Method::Psm => psm::solve(region_inputs, axis),
+        Method::Tsm => tsm::solve(region_inputs, axis),
+        Method::Lispsm => lispsm::solve(region_inputs, axis),
+        Method::PlaneOptimal => plane_optimal::solve(region_inputs, axis),
+        Method::HomographyArea => homography_area::solve(region_inputs, axis),
+    })?;
+    if inputs.covered.iter().all(|p| held(&regions, *p)) { Ok(regions) } else { Err(Inapplicable::CoveredBehindLight) }
+}
+
+/// Whether the region that a point looks up holds it.
+fn held(regions: &[Region], point: DVec3) -> bool {
+    regions.iter().find(|r| r.domain.holds(point)).is_some_and(|region| {
+        let p = region.h * region.space.q(point);
+        p.z > 0.0 && p.x >= 0.0 && p.x <= p.z && p.y >= 0.0 && p.y <= p.z
     })
 }
 

@@ -3,6 +3,7 @@
 use super::Method;
 use crate::fit::Effort;
 use crate::metric::Metric;
+use glam::DVec3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -24,6 +25,40 @@ pub struct SolverParams {
     /// Rounds of choosing between maps by measured error, each among eight neighbours of the best map so far, before the
     /// first of which the other metrics' and methods' answers are measured too. 0 = trust the metric. At most 20.
     pub measured_rounds: u32,
+    /// `psm`: the camera slides back until the plane at infinity lies at this depth or deeper, in the post-perspective
+    /// depth of its view, where 0 is near and 1 is far; at least 1. 1 = never.
+    pub psm_infinity: f64,
+    /// `tsm`: share of the trapezoid's depth, from its top, that is in focus, in (0, 1).
+    pub tsm_depth: f64,
+    /// `tsm`: share of the map that the focus gets, in (0, 1). Equal to `tsm_depth` = no warp.
+    pub tsm_focus: f64,
+    /// `plane-optimal`: the plane [a, b, c, d] of points with a x + b y + c z + d = 0, world space, metres. Absent = the
+    /// plane that holds most shadow edge.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub plane: Option<[f64; 4]>,
+    /// `homography-area`: over what the areas are compared.
+    pub area: AreaOver,
+}
+
+/// `solver.area`: over what `homography-area` compares areas.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum AreaOver {
+    /// The samples of the shadow edges, over all homographies.
+    #[default]
+    Samples,
+    /// A normal distribution fitted to them, over all homographies.
+    Normal,
+    /// The samples, over the planes whose normals lie between camera and light.
+    Alpha,
+}
+
+impl SolverParams {
+    /// The same for a scene whose zero stands at `origin`, world space.
+    pub fn in_scene_space(&self, origin: DVec3) -> SolverParams {
+        let plane = self.plane.map(|[a, b, c, d]| [a, b, c, d + DVec3::new(a, b, c).dot(origin)]);
+        SolverParams { plane, ..self.clone() }
+    }
 }
 
 impl Default for SolverParams {
@@ -35,6 +70,11 @@ impl Default for SolverParams {
             tolerance: 0.001,
             effort: Effort::default(),
             measured_rounds: 2,
+            psm_infinity: 1.5,
+            tsm_depth: 0.52,
+            tsm_focus: 0.8,
+            plane: None,
+            area: AreaOver::default(),
         }
     }
 }

@@ -76,6 +76,11 @@ impl Plane {
         let (samples, grazing) = edge_samples(edges, inputs.sample_cap, &space, &normalisation);
         Some(Plane { space, hull, normalisation, samples, grazing })
     }
+
+    /// Normalised units per unit of the plane q3 = 1, where the normalisation is a similarity.
+    pub(super) fn scale(&self) -> f64 {
+        self.normalisation.normal_from_plane.x_axis.x
+    }
 }
 
 /// Half a pixel's footprint at the covered point nearest to the camera, in units of the plane q3 = 1: what a cover

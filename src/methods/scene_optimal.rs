@@ -4,7 +4,7 @@
 //! takes the best of them, with the minimum-area rectangle around the projected hull as the affine part. The skew
 //! adjustment, of which §2.3 says that it "can be ignored without much ill effect", is left out; step 5 (hysteresis)
 //! belongs to shots. Deviations, both where the paper is silent: light space of a directional light is its plane scaled
-//! so that the cover fits [-1, 1]² about 0, and the search starts from the map without a warp.
+//! so that the cover fits the unit disc about 0, and the search starts from the map without a warp.
 
 use super::lixel::plane_of;
 use super::region::{Region, Report, texel_rows};

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::light_entry::{FrameStage, light_entry, measures};
 use super::{FramePlan, Plan, PlanCamera, PlanError, PlannedJob, Stage, Watch, hash_inputs, relative_path};
-use crate::job::LoadedJob;
+use crate::job::{Job, LoadedJob};
 use crate::math::{Bounds, rows_of};
 use crate::samples::{Grid, GridView};
 use crate::scene::{self, Geometry, Shot, ShotParams};
@@ -27,9 +27,10 @@ pub(crate) fn load_shot(job: &LoadedJob) -> Result<Shot, PlanError> {
 /// # Errors
 /// [`PlanError::Cancelled`] soon after the watch asks to stop; else what stands in the way.
 pub fn make(loaded: &LoadedJob, plan_dir: &Path, timings: bool, watch: &Watch) -> Result<Plan, PlanError> {
-    let job = &loaded.job;
     watch.step(Stage::Load, 0, 1)?;
     let shot = load_shot(loaded)?;
+    let solver = loaded.job.solver.in_scene_space(shot.scene.origin);
+    let job = &Job { solver, ..loaded.job.clone() };
     for note in &shot.scene.notes {
         watch.note(note);
     }
@@ -80,7 +81,7 @@ pub fn make(loaded: &LoadedJob, plan_dir: &Path, timings: bool, watch: &Watch) -
         });
     }
     let inputs = hash_inputs(&shot.scene.inputs, plan_dir)?;
-    let mut resolved = job.clone();
+    let mut resolved = loaded.job.clone();
     resolved.scene = loaded.scene_paths().iter().map(|p| relative_path(p, plan_dir).into()).collect();
     Ok(Plan::new(PlannedJob { job: resolved, inputs }, shot.scene.origin.to_array(), frames))
 }

@@ -1,4 +1,4 @@
-//! The bias a light's maps are drawn with: as the job says, or the best of a few slopes by measurement.
+//! The bias a light's maps are drawn with: as the job says, or the best of a few slopes and clamps by measurement.
 
 use super::judge::Judge;
 use super::{BiasParams, FilmQuestion, FittedLight, SizeGrid};
@@ -24,25 +24,42 @@ pub fn default_bias(params: &BiasParams) -> Bias {
     bias_with(params, SLOPES[0])
 }
 
-/// The bias with fewest wrong pixels at the predicted size; ties go to the earlier slope.
+/// Clamps of the slope term that are measured once the slope is chosen, window depth. Triangles nearly edge-on to the
+/// light have slopes without bound and would be pushed through what lies behind them: a box lit along one of its sides
+/// loses that side's shadow. Flat maps over a wide depth range want none.
+const CLAMPS: [f64; 3] = [1e-2, 1e-3, 1e-4];
+
+/// The bias with fewest wrong pixels at the predicted size; ties go to the earlier one.
 pub(super) fn measured(
     question: &FilmQuestion,
     fitted: &FittedLight,
     judge: &mut Judge,
     grid: &SizeGrid,
 ) -> Result<Bias, RasterError> {
-    if question.map.bias.slope.is_some() {
-        return Ok(default_bias(&question.map.bias));
-    }
+    let params = &question.map.bias;
     let sizes = grid.sizes(grid.at_least(fitted.texels)).to_vec();
     let mut best: Option<(usize, Bias)> = None;
-    for slope in SLOPES {
-        let bias = bias_with(&question.map.bias, slope);
+    let mut consider = |bias: Bias, best: &mut Option<(usize, Bias)>| {
         let drawn = judge.draw(&sizes, bias)?;
         let wrong = judge.wrong(&drawn).len();
         if best.is_none_or(|b| wrong < b.0) {
-            best = Some((wrong, bias));
+            *best = Some((wrong, bias));
+        }
+        Ok::<(), RasterError>(())
+    };
+    if params.slope.is_none() {
+        for slope in SLOPES {
+            consider(bias_with(params, slope), &mut best)?;
         }
     }
-    Ok(best.map_or_else(|| default_bias(&question.map.bias), |b| b.1))
+    if params.clamp.is_none() {
+        let chosen = best.map_or_else(|| default_bias(params), |b| b.1);
+        if best.is_none() {
+            consider(chosen, &mut best)?;
+        }
+        for clamp in CLAMPS {
+            consider(Bias { clamp, ..chosen }, &mut best)?;
+        }
+    }
+    Ok(best.map_or_else(|| default_bias(params), |b| b.1))
 }

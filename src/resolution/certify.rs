@@ -4,7 +4,7 @@ use super::bias::{default_bias, measured};
 use super::fitted::{predict, predicted_bound};
 use super::judge::Judge;
 use super::{Bound, FilmQuestion, FittedLight, Probe, SizeGrid, smallest};
-use crate::measure::{Drawn, UNCERTAIN_SLACK, Verdict};
+use crate::measure::{UNCERTAIN_SLACK, Verdict};
 use crate::methods::Prediction;
 use crate::raster::{Bias, RasterError};
 
@@ -62,7 +62,7 @@ pub fn certify(question: &FilmQuestion, fitted: &FittedLight, judge: &mut Judge)
                 (certain.max(all / UNCERTAIN_SLACK) / limit, verdict.meets(limit), None)
             }
             Bound::Displacement | Bound::Footprint => {
-                let value = measured_at_quantile(question, judge, &drawn, &wrong);
+                let value = judge.at_quantile(&drawn, &wrong);
                 (value / epsilon, value <= epsilon, Some(value))
             }
         };
@@ -112,9 +112,4 @@ fn grid_of(question: &FilmQuestion, fitted: &FittedLight) -> SizeGrid {
 fn predicted_at_quantile(question: &FilmQuestion, fitted: &FittedLight, texels: f64) -> Option<f64> {
     (question.quality.bound != Bound::Misclassified)
         .then(|| predicted_bound(question.quality, &fitted.regions, &fitted.shares, texels))
-}
-
-fn measured_at_quantile(question: &FilmQuestion, judge: &Judge, drawn: &[Drawn], wrong: &[u32]) -> f64 {
-    let _ = (question, judge, drawn, wrong);
-    f64::INFINITY
 }

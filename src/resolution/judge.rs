@@ -1,8 +1,8 @@
 //! Draws a light's maps at a size and judges every film pixel, certain and uncertain apart.
 
-use super::{FilmQuestion, FittedLight};
+use super::{Bound, FilmQuestion, FittedLight, QualityParams};
 use crate::depth::{DepthError, DepthRow, fit_row, kept_points};
-use crate::measure::{Certainty, Drawn, Receivers, Verdict, wrong};
+use crate::measure::{Certainty, Drawn, Receivers, Verdict, edge_distance, footprint, wrong};
 use crate::methods::Region;
 use crate::raster::{Bias, Canvas, RasterError};
 use crate::scene::Geometry;
@@ -12,6 +12,7 @@ use glam::{DMat4, DVec3, DVec4};
 /// Everything needed to judge one light's maps at any size.
 pub struct Judge<'a> {
     tracer: &'a Tracer<'a>,
+    view: &'a View,
     question: &'a FilmQuestion<'a>,
     receivers: &'a Receivers,
     /// Matrices and depth ranges, in the order of the regions.
@@ -81,6 +82,7 @@ impl<'a> Judge<'a> {
         let certainty = Certainty::new(tracer, view, question.camera, question.light, receivers, offset);
         Ok(Judge {
             tracer,
+            view,
             question,
             receivers,
             maps,
@@ -116,6 +118,16 @@ impl<'a> Judge<'a> {
     /// Receivers answered wrongly by drawn maps.
     pub fn wrong(&self, drawn: &[Drawn]) -> Vec<u32> {
         wrong(self.receivers, drawn, self.question.map.outside)
+    }
+
+    /// The measured value of a bound at a quantile, pixels: edge distance, or texel footprint.
+    pub fn at_quantile(&self, drawn: &[Drawn], wrong: &[u32]) -> f64 {
+        let QualityParams { bound, quantile, .. } = *self.question.quality;
+        if bound == Bound::Footprint {
+            footprint(self.tracer, self.view, self.question.camera, self.receivers, drawn, quantile)
+        } else {
+            edge_distance(self.receivers, wrong, self.question.film, quantile)
+        }
     }
 
     /// Certain and uncertain among wrong receivers.

@@ -135,7 +135,7 @@ pub struct BiasParams {
     /// surface. Absent = the best of a few by measurement, per light and frame.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub slope: Option<f64>,
-    /// Largest slope part, window depth, above 0. Absent = none.
+    /// Largest slope part, window depth, above 0. Absent = none, or one of a few by measurement, per light and frame.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub clamp: Option<f64>,
 }

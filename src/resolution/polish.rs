@@ -15,6 +15,10 @@ use crate::samples::LightSamples;
 /// How far the first round's neighbours stand, relative to the legal range of p4; a third of that in the last one.
 const FIRST_STEP: f64 = 0.08;
 
+/// Largest map measured here, texels: which of two maps wastes less does not hang on their size, and larger ones cost
+/// time to draw.
+const TEXELS_MEASURED: f64 = (1u32 << 20) as f64;
+
 /// Replaces a light's single map by a better one, if measuring finds one. Lights with several maps, other methods than
 /// lixel, and maps that may not warp stay as they are. Returns the number of maps measured.
 pub fn polish(
@@ -28,7 +32,7 @@ pub fn polish(
         return Ok(0);
     }
     let covered = std::mem::take(&mut fitted.covered);
-    let texels = fitted.texels;
+    let texels = fitted.texels.min(TEXELS_MEASURED);
     let variant = |method: Method, metric: Metric| -> Option<Region> {
         let solver = SolverParams { method, metric, ..question.solver.clone() };
         let regions = solve(method, &question.inputs(samples, &covered, texels, &solver)).ok()?;

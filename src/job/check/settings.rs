@@ -76,5 +76,17 @@ pub(super) fn sampling(sampling: &SamplingParams) -> Result<(), Problem> {
 pub(super) fn solver(solver: &SolverParams) -> Result<(), Problem> {
     require(solver.rounds <= 100, "solver.rounds", solver.rounds, "0 to 100")?;
     let tolerance = solver.tolerance;
-    require(tolerance > 0.0 && tolerance <= 1.0, "solver.tolerance", tolerance, "above 0 and at most 1")
+    require(tolerance > 0.0 && tolerance <= 1.0, "solver.tolerance", tolerance, "above 0 and at most 1")?;
+    let infinity = solver.psm_infinity;
+    require(infinity >= 1.0 && infinity.is_finite(), "solver.psm_infinity", infinity, "a finite number of at least 1")?;
+    for (key, share) in [("solver.tsm_depth", solver.tsm_depth), ("solver.tsm_focus", solver.tsm_focus)] {
+        require(share > 0.0 && share < 1.0, key, share, "between 0 and 1, both excluded")?;
+    }
+    if let Some(plane) = solver.plane
+        && !(plane.iter().all(|v| v.is_finite()) && plane[..3].iter().any(|v| *v != 0.0))
+    {
+        let remedy = "give [a, b, c, d] of a x + b y + c z + d = 0, all finite, a, b and c not all zero";
+        return Err(problem("solver.plane", format!("{plane:?} is no plane"), remedy));
+    }
+    Ok(())
 }

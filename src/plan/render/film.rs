@@ -17,8 +17,10 @@ const FALSE_LIT: Colour = [255, 64, 48];
 const FALSE_SHADOW: Colour = [72, 136, 255];
 /// Wrong, but the exact answer is uncertain.
 const UNCERTAIN: Colour = [255, 216, 48];
-/// Brightness that comes from everywhere in the shaded picture.
-const AMBIENT: f64 = 0.12;
+/// Brightness that comes from everywhere in the shaded picture, as a part of the brightest.
+const AMBIENT: f64 = 0.1;
+/// Lit pixels that the exposure of the shaded picture leaves unclipped.
+const EXPOSED: f64 = 0.98;
 /// Exponent of displays.
 const GAMMA: f64 = 2.2;
 
@@ -114,12 +116,15 @@ impl Film {
 
     /// All lights with their exact shadows.
     pub(super) fn shaded(&self) -> Picture {
+        let mut lit: Vec<f64> = self.light.iter().copied().filter(|l| *l > 0.0).collect();
+        lit.sort_unstable_by(f64::total_cmp);
+        let brightest = lit.get((lit.len() as f64 * EXPOSED) as usize).copied().unwrap_or(1.0);
         let colour = |pixel: usize| match self.headlight[pixel] {
             None => BACKGROUND,
             Some(facing) => {
                 // A little of the headlight keeps the shape of what is in shadow.
-                let linear = AMBIENT * (0.4 + 0.6 * facing) + 0.85 * self.light[pixel];
-                let shown = (1.0 - (-1.6 * linear).exp()).powf(1.0 / GAMMA);
+                let linear = AMBIENT * (0.4 + 0.6 * facing) + (1.0 - AMBIENT) * self.light[pixel] / brightest;
+                let shown = linear.min(1.0).powf(1.0 / GAMMA);
                 scaled([255, 250, 240], shown)
             }
         };

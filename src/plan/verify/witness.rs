@@ -29,7 +29,8 @@ pub(super) fn fault(seeing: &Seeing, light: &Light, map: &MapPlan, witness: &Wit
     let Some((found, tolerance)) = window(&matrix_from_rows(&map.clip_from_world), point) else {
         return Some(format!("witness {point} lies behind the light"));
     };
-    if (0..3).any(|i| !((told[i] - found[i]).abs() <= tolerance[i])) {
+    let agrees = (0..3).all(|i| (told[i] - found[i]).abs() <= tolerance[i]);
+    if !agrees {
         return Some(format!("witness {point} has uv and depth {told:?} in the plan, the matrix gives {found:?}"));
     }
     let shadowed = is_shadowed(seeing, light, point);
