@@ -70,7 +70,7 @@ fn window(clip_from_scene: &DMat4, size: [u32; 2], point: DVec3, normal: DVec3) 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::methods::Domain;
+    use crate::math::Domain;
     use crate::raster::{Bias, draw};
     use crate::scene::Geometry;
     use glam::{DVec4, Vec3};
