@@ -83,19 +83,21 @@ impl AffineProblem {
 
     /// Smallest and largest n·v.
     pub(super) fn extent(&self, n: DVec2) -> (f64, f64) {
+        // Finite by construction, so that a plain comparison will do: a third of the time of `f64::min`.
         self.points.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), p| {
             let d = n.dot(*p);
-            (lo.min(d), hi.max(d))
+            (if d < lo { d } else { lo }, if d > hi { d } else { hi })
         })
     }
 
     /// A candidate axis: its normal, W and g.
     fn axis(&self, angle: f64) -> Axis {
-        self.axis_along(DVec2::from_angle(angle), angle)
+        self.axis_along(DVec2::from_angle(angle))
     }
 
-    fn axis_along(&self, n: DVec2, angle: f64) -> Axis {
-        Axis { n, angle, width: self.width(n), g: n.dot(self.g * n).max(0.0) }
+    fn axis_along(&self, n: DVec2) -> Axis {
+        let (width, g) = (self.width(n), n.dot(self.g * n).max(0.0));
+        Axis { n, width, g, least: width * g.sqrt() }
     }
 
     fn combine(&self, a: &Axis, b: &Axis, aspect: Aspect) -> Option<(f64, f64)> {
@@ -124,23 +126,30 @@ impl AffineProblem {
             let normal = edge.perp();
             let length = normal.length();
             if length > 0.0 {
-                axes.push(self.axis_along(normal / length, normal.to_angle()));
+                axes.push(self.axis_along(normal / length));
             }
         }
         if axes.len() < 3 {
             axes.extend([self.axis(0.0), self.axis(std::f64::consts::FRAC_PI_2)]);
         }
         let mut best: Option<AffineFit> = None;
+        // h sin² ≥ 2 W(t1) W(t2) √(g(t1) g(t2)) / D² for every R1/R2: most pairs go without a division.
+        let mut bound = f64::INFINITY;
         let mut consider = |a: &Axis, b: &Axis| {
+            let sin = a.n.perp_dot(b.n);
+            if a.least * b.least > bound * (sin * sin) {
+                return;
+            }
             if let Some((value, ratio)) = self.combine(a, b, aspect)
                 && best.is_none_or(|f| value < f.value)
             {
-                best = Some(AffineFit { value, angles: [a.angle, b.angle], aspect: ratio });
+                bound = 0.5 * value * self.det2;
+                best = Some(AffineFit { value, angles: [a.n.to_angle(), b.n.to_angle()], aspect: ratio });
             }
         };
         for (i, a) in axes.iter().enumerate() {
             if shape == Shape::Rectangle {
-                let across = self.axis_along(a.n.perp(), a.angle + std::f64::consts::FRAC_PI_2);
+                let across = self.axis_along(a.n.perp());
                 consider(a, &across);
                 consider(&across, a);
             } else {
@@ -164,9 +173,10 @@ impl AffineProblem {
 
 struct Axis {
     n: DVec2,
-    angle: f64,
     width: f64,
     g: f64,
+    /// W √g.
+    least: f64,
 }
 
 /// The best affine part with axes flush with hull edges.

@@ -9,7 +9,7 @@ use super::region::{Region, Report, texel_rows};
 use super::{Inapplicable, Inputs};
 use crate::fit::{Effort, Fit, FitProblem, PolarPolygon, Shape, at, minimise};
 use crate::math::LightSpace;
-use crate::metric::{Metric, Moments, cost, moments_of};
+use crate::metric::{Metric, Moments, cost_and_moments, moments_of};
 use glam::{DVec2, DVec3};
 
 /// Solves one region.
@@ -31,30 +31,31 @@ pub(super) fn solve(inputs: &Inputs, axis: Option<DVec3>) -> Result<Region, Inap
         Some(fit)
     };
     let metric = solver.metric;
-    let first = if plane.samples.is_empty() { isotropic() } else { moments_of(&plane.samples, metric, None) };
+    let first = if plane.samples.is_empty() { isotropic() } else { moments_of(&plane.samples, metric) };
     let start = fit(&first, solver.effort, &[]).ok_or(Inapplicable::NoFiniteFit)?;
     let rows_of = |fit: &Fit| texel_rows(&fit.rows, fit.aspect, inputs.texels);
-    let mut best = (cost(&plane.samples, metric, &rows_of(&start)), start);
+    let mut best = start;
     let mut rounds = 0;
-    if metric != Metric::L2 && !plane.samples.is_empty() {
+    if metric != Metric::L2 && solver.rounds > 0 && !plane.samples.is_empty() {
         let mut current = start;
+        let (mut best_cost, mut moments) = cost_and_moments(&plane.samples, metric, &rows_of(&start));
         for round in 0..solver.rounds {
-            let moments = moments_of(&plane.samples, metric, Some(&rows_of(&current)));
             let effort = if round == 0 { solver.effort } else { Effort::Local };
-            let Some(next) = fit(&moments, effort, &[best.1.ab, current.ab]) else { break };
+            let Some(next) = fit(&moments, effort, &[best.ab, current.ab]) else { break };
             rounds += 1;
-            let value = cost(&plane.samples, metric, &rows_of(&next));
+            let value;
+            (value, moments) = cost_and_moments(&plane.samples, metric, &rows_of(&next));
             current = next;
-            let gained = best.0 - value;
+            let gained = best_cost - value;
             if gained > 0.0 {
-                best = (value, next);
+                (best_cost, best) = (value, next);
             }
-            if gained <= solver.tolerance * best.0 {
+            if gained <= solver.tolerance * best_cost {
                 break;
             }
         }
     }
-    let fit = best.1;
+    let fit = best;
     let report = Report {
         evaluations,
         samples: plane.samples.len() as u64,
@@ -76,7 +77,7 @@ pub(super) fn neighbours(inputs: &Inputs, region: &Region, step: f64) -> Vec<Reg
         return Vec::new();
     }
     let rows = texel_rows(&region.rows, region.aspect, inputs.texels);
-    let moments = moments_of(&plane.samples, inputs.solver.metric, Some(&rows));
+    let (_, moments) = cost_and_moments(&plane.samples, inputs.solver.metric, &rows);
     let problem = FitProblem {
         moments: &moments,
         hull: &plane.hull,

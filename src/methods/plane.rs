@@ -3,7 +3,7 @@
 use super::Inputs;
 use crate::fit::{Normalisation, normalise, normalise_similar};
 use crate::math::{LightSpace, convex_hull};
-use crate::metric::EdgeSamples;
+use crate::metric::{EdgeSamples, volume};
 use crate::samples::EdgePoint;
 use glam::{DVec2, DVec3};
 
@@ -12,28 +12,29 @@ use glam::{DVec2, DVec3};
 const GRAZING: f64 = 1e-7;
 
 /// Edge points in the normalised coordinates of a light plane, and the number left out because the light grazes their
-/// surface or they lie behind it.
-pub(super) fn edge_samples<'a>(
-    points: impl Iterator<Item = &'a EdgePoint>,
+/// surface or they lie behind it. More points than `cap` are thinned evenly along the edges, with lengths scaled to keep
+/// the sum.
+pub(super) fn edge_samples(
+    points: &[EdgePoint],
+    cap: usize,
     space: &LightSpace,
     normalisation: &Normalisation,
 ) -> (EdgeSamples, u64) {
-    let mut samples = EdgeSamples::default();
+    let count = if cap == 0 { points.len() } else { points.len().min(cap) };
+    let scale = points.len() as f64 / count.max(1) as f64;
+    let mut samples = EdgeSamples::with_capacity(count);
     let mut grazing = 0;
-    for point in points {
-        let q = space.q(point.position);
-        let (q, t) = normalisation.vectors(q, point.derivatives.map(|d| space.dq(d)));
-        let volume = crate::math::det3(q, t[0], t[1]);
-        let size = q.length() * t[0].length() * t[1].length();
-        if !(q.is_finite() && volume.abs() > GRAZING * size) || space.q(point.position).z <= 0.0 {
+    for k in 0..count {
+        let point = &points[k * points.len() / count];
+        let in_plane = space.q(point.position);
+        let (q, t) = normalisation.vectors(in_plane, point.derivatives.map(|d| space.dq(d)));
+        let size = (q.length_squared() * t[0].length_squared() * t[1].length_squared()).sqrt();
+        let volume = volume(q, t, size);
+        if !(q.is_finite() && volume.abs() > GRAZING * size) || in_plane.z <= 0.0 {
             grazing += 1;
             continue;
         }
-        samples.q.push(q);
-        samples.t.push(t);
-        samples.edge_normal.push(point.normal);
-        samples.length_px.push(point.length_px);
-        samples.room_px.push(point.room_px);
+        samples.push(q, t, volume, point.normal, [point.length_px * scale, point.room_px]);
     }
     (samples, grazing)
 }
@@ -72,8 +73,7 @@ impl Plane {
         }
         let normalisation = if similar { normalise_similar(&hull)? } else { normalise(&hull)? };
         let hull = hull.iter().map(|p| normalisation.point(*p)).collect();
-        let (samples, grazing) = edge_samples(edges.iter(), &space, &normalisation);
-        let samples = samples.thinned(inputs.sample_cap);
+        let (samples, grazing) = edge_samples(edges, inputs.sample_cap, &space, &normalisation);
         Some(Plane { space, hull, normalisation, samples, grazing })
     }
 

@@ -3,7 +3,7 @@
 use super::plane::Plane;
 use crate::fit::Termination;
 use crate::math::{Domain, LightSpace};
-use crate::metric::{Metric, cost, displacement, inverse_jacobian_norm2};
+use crate::metric::{Metric, TexelRows, cost, inverse_jacobian_norm2};
 use glam::{DMat3, DVec3};
 use std::sync::Arc;
 
@@ -90,15 +90,15 @@ impl Region {
 
     /// Largest edge displacement, pixels, of each sample with its edge length, for a map of `texels` texels.
     pub fn displacements(&self, texels: f64) -> Vec<(f64, f64)> {
-        let rows = self.texel_rows(texels);
+        let rows = TexelRows::new(&self.texel_rows(texels));
         (0..self.plane.samples.len())
-            .map(|i| (displacement(&self.plane.samples, i, &rows).largest(), self.plane.samples.length_px[i]))
+            .map(|i| (rows.displacement(&self.plane.samples, i).largest(), self.plane.samples.length_px[i]))
             .collect()
     }
 
     /// Root of SOSM's summand, pixels per texel, of each sample with its edge length, for a map of `texels` texels.
     pub fn footprints(&self, texels: f64) -> Vec<(f64, f64)> {
-        let rows = self.texel_rows(texels);
+        let rows = TexelRows::new(&self.texel_rows(texels));
         (0..self.plane.samples.len())
             .map(|i| (inverse_jacobian_norm2(&self.plane.samples, i, &rows).sqrt(), self.plane.samples.length_px[i]))
             .collect()

@@ -29,7 +29,7 @@ struct Candidate {
 /// Solves one region.
 pub(super) fn solve(inputs: &Inputs, axis: Option<DVec3>) -> Result<Region, Inapplicable> {
     let plane = plane_of(inputs, axis, true)?;
-    let moments = moments_of(&plane.samples, Metric::L2, None);
+    let moments = moments_of(&plane.samples, Metric::L2);
     let mut evaluations = 1;
     let mut best = candidate(inputs, &plane.hull, &moments, DVec3::Z).ok_or(Inapplicable::NoFiniteFit)?;
     let warp = inputs.shape == Shape::Projective || !plane.space.directional;

@@ -29,25 +29,34 @@ impl Displacement {
     }
 }
 
-/// Displacement of one sample under rows p1, p2 (in texels) and p4. Infinite where the light grazes the receiver.
-pub fn displacement(samples: &EdgeSamples, i: usize, rows: &[DVec3; 3]) -> Displacement {
-    let [p1, p2, p4] = *rows;
-    let scale = (p4.dot(samples.q[i]) / (det3(p1, p2, p4) * samples.volume(i))).abs();
-    let c = samples.edge_vector(i);
-    let (a, b) = (p1.cross(p4).dot(c).abs() * scale, p2.cross(p4).dot(c).abs() * scale);
-    Displacement { r_max: a.max(b), r_min: a.min(b) }
+/// Rows p1, p2 (in texels) and p4, with what all samples share.
+#[derive(Clone, Copy, Debug)]
+pub struct TexelRows {
+    /// p1 × p4 / det and p2 × p4 / det.
+    cofactors: [DVec3; 2],
+    p4: DVec3,
 }
 
-/// Expected displacement of one sample, pixels.
-pub fn expected_displacement(samples: &EdgeSamples, i: usize, rows: &[DVec3; 3]) -> f64 {
-    displacement(samples, i, rows).expected()
+impl TexelRows {
+    /// Of rows p1, p2 (in texels) and p4.
+    pub fn new(rows: &[DVec3; 3]) -> TexelRows {
+        let [p1, p2, p4] = *rows;
+        let inverse = 1.0 / det3(p1, p2, p4);
+        TexelRows { cofactors: [p1.cross(p4) * inverse, p2.cross(p4) * inverse], p4 }
+    }
+
+    /// Displacement of one sample. Infinite where the light grazes the receiver.
+    pub fn displacement(&self, samples: &EdgeSamples, i: usize) -> Displacement {
+        let scale = (self.p4.dot(samples.q[i]) * samples.inverse_volume[i]).abs();
+        let [a, b] = self.cofactors.map(|q| q.dot(samples.edge_vector[i]).abs() * scale);
+        if a > b { Displacement { r_max: a, r_min: b } } else { Displacement { r_max: b, r_min: a } }
+    }
 }
 
 /// ‖J⁻¹‖² of one sample: the summand of SOSM eq. 6 and 9.
-pub fn inverse_jacobian_norm2(samples: &EdgeSamples, i: usize, rows: &[DVec3; 3]) -> f64 {
-    let [p1, p2, p4] = *rows;
-    let scale = p4.dot(samples.q[i]) / (det3(p1, p2, p4) * samples.volume(i));
-    let (q1, q2) = (p1.cross(p4), p2.cross(p4));
+pub fn inverse_jacobian_norm2(samples: &EdgeSamples, i: usize, rows: &TexelRows) -> f64 {
+    let scale = rows.p4.dot(samples.q[i]) * samples.inverse_volume[i];
+    let [q1, q2] = rows.cofactors;
     samples.footprint_vectors(i).iter().map(|c| (q1.dot(*c)).powi(2) + (q2.dot(*c)).powi(2)).sum::<f64>()
         * scale
         * scale
@@ -61,15 +70,11 @@ mod tests {
     /// A receiver seen head-on, lit head-on: one pixel is 0.1 units of the light plane, one texel 0.5 units.
     #[test]
     fn axis_aligned_texel_of_five_pixels() {
-        let samples = EdgeSamples {
-            q: vec![DVec3::new(0.2, 0.3, 1.0)],
-            t: vec![[DVec3::new(0.1, 0.0, 0.0), DVec3::new(0.0, 0.1, 0.0)]],
-            edge_normal: vec![DVec2::X],
-            length_px: vec![1.0],
-            room_px: vec![1.0],
-        };
-        let rows = [DVec3::new(2.0, 0.0, 0.0), DVec3::new(0.0, 2.0, 0.0), DVec3::Z];
-        let d = displacement(&samples, 0, &rows);
+        let (q, t) = (DVec3::new(0.2, 0.3, 1.0), [DVec3::new(0.1, 0.0, 0.0), DVec3::new(0.0, 0.1, 0.0)]);
+        let mut samples = EdgeSamples::default();
+        samples.push(q, t, det3(q, t[0], t[1]), DVec2::X, [1.0, 1.0]);
+        let rows = TexelRows::new(&[DVec3::new(2.0, 0.0, 0.0), DVec3::new(0.0, 2.0, 0.0), DVec3::Z]);
+        let d = rows.displacement(&samples, 0);
         assert!((d.r_max - 5.0).abs() < 1e-12 && d.r_min.abs() < 1e-12);
         assert!((d.expected() - 1.25).abs() < 1e-12);
         assert!((inverse_jacobian_norm2(&samples, 0, &rows) - 50.0).abs() < 1e-10);

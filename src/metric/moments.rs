@@ -28,7 +28,11 @@ impl Default for Moments {
 impl Moments {
     /// Adds one sample: its q, V, one vector c and weight k. Call once per c of the sample.
     pub fn add(&mut self, q: DVec3, volume: f64, c: DVec3, weight: f64) {
-        let k = weight / (volume * volume);
+        self.add_scaled(q, c, weight / (volume * volume));
+    }
+
+    /// The same with k / V² in one.
+    pub(super) fn add_scaled(&mut self, q: DVec3, c: DVec3, k: f64) {
         let cc = products(c);
         for (row, qq) in self.sums.iter_mut().zip(products(q)) {
             let f = k * qq;
@@ -140,20 +144,19 @@ fn products(v: DVec3) -> [f64; 6] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::metric::inverse_jacobian_norm2;
+    use crate::metric::{TexelRows, inverse_jacobian_norm2};
 
     fn samples() -> crate::metric::EdgeSamples {
         let mut s = crate::metric::EdgeSamples::default();
         for i in 0..50 {
             let f = f64::from(i);
-            s.q.push(DVec3::new((f * 1.3).sin(), (f * 0.7).cos(), 1.0));
-            s.t.push([
+            let q = DVec3::new((f * 1.3).sin(), (f * 0.7).cos(), 1.0);
+            let t = [
                 DVec3::new(0.01 + 0.002 * f.sin(), 0.003, 0.001 * f.cos()),
                 DVec3::new(-0.002, 0.02 + 0.004 * f.cos(), 0.0),
-            ]);
-            s.edge_normal.push(glam::DVec2::from_angle(f));
-            s.length_px.push(1.0 + 0.1 * f);
-            s.room_px.push(10.0);
+            ];
+            let volume = crate::math::det3(q, t[0], t[1]);
+            s.push(q, t, volume, glam::DVec2::from_angle(f), [1.0 + 0.1 * f, 10.0]);
         }
         s
     }
@@ -162,7 +165,7 @@ mod tests {
         let mut m = Moments::default();
         for i in 0..s.len() {
             for c in s.footprint_vectors(i) {
-                m.add(s.q[i], s.volume(i), c, s.length_px[i]);
+                m.add(s.q[i], 1.0 / s.inverse_volume[i], c, s.length_px[i]);
             }
         }
         m
@@ -173,7 +176,8 @@ mod tests {
     #[test]
     fn moments_equal_the_sum_of_equation_9() {
         let s = samples();
-        let direct: f64 = (0..s.len()).map(|i| s.length_px[i] * inverse_jacobian_norm2(&s, i, &ROWS)).sum();
+        let rows = TexelRows::new(&ROWS);
+        let direct: f64 = (0..s.len()).map(|i| s.length_px[i] * inverse_jacobian_norm2(&s, i, &rows)).sum();
         let value = moments(&s).value(&ROWS);
         assert!((value / direct - 1.0).abs() < 1e-12, "{value} {direct}");
         assert!(moments(&s).rounding() < 1e-14);
@@ -202,7 +206,7 @@ mod tests {
         let s = samples();
         let mut halves = [Moments::default(), Moments::default()];
         for i in 0..s.len() {
-            halves[i % 2].add(s.q[i], s.volume(i), s.edge_vector(i), 1.0);
+            halves[i % 2].add(s.q[i], 1.0 / s.inverse_volume[i], s.edge_vector[i], 1.0);
         }
         let mut whole = halves[0];
         whole.merge(&halves[1]);

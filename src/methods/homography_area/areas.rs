@@ -17,7 +17,7 @@ pub(super) struct Areas {
 impl Areas {
     /// The edge samples, weighted by length; `None` without any.
     pub(super) fn of_samples(samples: &EdgeSamples) -> Option<Areas> {
-        let volume = (0..samples.len()).map(|i| samples.volume(i).abs()).collect();
+        let volume = (0..samples.len()).map(|i| (1.0 / samples.inverse_volume[i]).abs()).collect();
         Areas::weighted(samples.q.clone(), volume, samples.length_px.clone())
     }
 

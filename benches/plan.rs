@@ -1,0 +1,155 @@
+//! A draft plan of one frame, light by light, against exact film-resolution classification of the same frame.
+//!
+//!     cargo bench --bench plan                                       frame 30 of the courtyard
+//!     LIXEL_BENCH_GLB=scene.glb cargo bench --bench plan             and frame 30 of this one
+//!
+//! The scene is loaded and its trees are built. Draft: the planning grid, the shadow edges, the fit, the size, the depth
+//! row, with the settings of `configs/draft.toml`. Exact: one ray through each of 1920 × 1080 pixels and one shadow ray from
+//! each that faces the light. Both use all threads, round about round; the ratio is taken in each round.
+
+use std::error::Error;
+use std::hint::black_box;
+use std::path::Path;
+use std::time::Instant;
+
+use lixel::job::{Job, load};
+use lixel::math::Bounds;
+use lixel::measure::Receivers;
+use lixel::resolution::{FilmQuestion, JudgedMap, fit_light, predict_only};
+use lixel::samples::{Grid, GridView, sample_light};
+use lixel::scene::{self, Film, Geometry, Light, SceneFrame, Shot, ShotParams};
+use lixel::visibility::{Answer, Bvh, RayOffset, Tracer, answer, see};
+
+/// Rounds of each light.
+const ROUNDS: usize = 9;
+/// Settings of a draft, over those of the input.
+const DRAFT: &str = "preset = \"draft\"\nframes.range = \"30\"\nimage.size = [1920, 1080]";
+
+fn main() -> Result<(), Box<dyn Error>> {
+    run(Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/courtyard/courtyard.toml")))?;
+    if let Some(path) = std::env::var_os("LIXEL_BENCH_GLB") {
+        run(Path::new(&path))?;
+    }
+    Ok(())
+}
+
+fn run(input: &Path) -> Result<(), Box<dyn Error>> {
+    let loaded = load(input, &DRAFT.parse()?)?;
+    let job = &loaded.job;
+    let shot = scene::load(&ShotParams {
+        scene: &loaded.scene_paths(),
+        frames: &job.frames,
+        image: &job.image,
+        camera: &job.camera,
+        lights: &job.light,
+    })?;
+    let time = shot.frames.first().ok_or("no frame")?;
+    let frame = shot.scene.frame(time.time_s)?;
+    let geometry = Geometry { still: &shot.scene.still, moving: &frame.moving };
+    let (still, moving) = (Bvh::build(geometry.still), Bvh::build(geometry.moving));
+    let tracer = Tracer::new(geometry, &still, (!frame.moving.is_empty()).then_some(&moving));
+    for light in &frame.lights {
+        let name = format!("{} {}", input.file_stem().unwrap_or_default().display(), light.name);
+        compare(&name, &shot, &frame, &tracer, light, job)?;
+    }
+    Ok(())
+}
+
+fn compare(
+    name: &str,
+    shot: &Shot,
+    frame: &SceneFrame,
+    tracer: &Tracer,
+    light: &Light,
+    job: &Job,
+) -> Result<(), Box<dyn Error>> {
+    let offset = RayOffset::for_scene(tracer);
+    let (mut draft_ms, mut exact_ms, mut ratios) = (Vec::new(), Vec::new(), Vec::new());
+    let mut parts: [Vec<f64>; 3] = Default::default();
+    let mut said = String::new();
+    for round in 0..=ROUNDS {
+        let draft = draft(shot.film, frame, tracer, light, job)?;
+        let start = Instant::now();
+        let view = see(tracer, &frame.camera, shot.film);
+        let exact = black_box(Receivers::classify(tracer, &view, &frame.camera, light, offset));
+        let ms = start.elapsed().as_secs_f64() * 1e3;
+        // The first round takes the memory that later ones use again.
+        if round > 0 {
+            let sum: f64 = draft.parts_ms.iter().sum();
+            draft_ms.push(sum);
+            exact_ms.push(ms);
+            ratios.push(sum / ms);
+            parts.iter_mut().zip(draft.parts_ms).for_each(|(all, part)| all.push(part));
+        }
+        said = format!("\"edges\": {}, \"maps\": {:?}, \"receivers\": {}", draft.edges, draft.sizes, exact.len());
+    }
+    let [rays, fit, depth] = parts.map(|p| median(&p));
+    println!(
+        "{{\"light\": \"{name}\", \"triangles\": {}, {said}, \"draft_ms\": {:.2}, \"rays_ms\": {rays:.2}, \"fit_ms\": \
+         {fit:.2}, \"depth_ms\": {depth:.2}, \"exact_ms\": {:.1}, \"ratio\": {:.4}, \"ratios\": {ratios:.4?}}}",
+        tracer.geometry().still.len() + tracer.geometry().moving.len(),
+        median(&draft_ms),
+        median(&exact_ms),
+        median(&ratios)
+    );
+    Ok(())
+}
+
+struct Draft {
+    /// Rays; fit and size; depth rows.
+    parts_ms: [f64; 3],
+    edges: usize,
+    /// Sizes of the maps; none when the light casts no visible shadow.
+    sizes: Vec<[u32; 2]>,
+}
+
+/// The stages of a draft plan, as `lixel plan` runs them.
+fn draft(film: Film, frame: &SceneFrame, tracer: &Tracer, light: &Light, job: &Job) -> Result<Draft, Box<dyn Error>> {
+    let start = Instant::now();
+    let corners = tracer.bounds().into_iter().flatten();
+    let offset = RayOffset::for_scene(tracer);
+    let grid = GridView::see(tracer, &frame.camera, Grid::new(film, job.sampling.grid));
+    let samples = sample_light(tracer, &frame.camera, &grid, light, offset, job.sampling.refine, false);
+    // The visible points that depth rows and witnesses are made from.
+    let seen: Vec<_> = grid
+        .surfaces
+        .iter()
+        .flatten()
+        .filter(|s| answer(tracer, s, light, offset) != Answer::Unlit)
+        .map(|s| s.position)
+        .collect();
+    let mut draft = Draft { parts_ms: [lap(start), 0.0, 0.0], edges: samples.edges.len(), sizes: Vec::new() };
+    if samples.shadowed == 0 {
+        return Ok(draft);
+    }
+    let start = Instant::now();
+    let question = FilmQuestion {
+        camera: &frame.camera,
+        film,
+        light,
+        bounds: Bounds::of(corners),
+        quality: &job.quality,
+        map: &job.map,
+        solver: &job.solver,
+        sample_cap: job.sampling.cap as usize,
+    };
+    let fitted = fit_light(&question, &samples, None)?;
+    draft.sizes = predict_only(&question, &fitted).sizes;
+    draft.parts_ms[1] = lap(start);
+    let start = Instant::now();
+    for region in &fitted.regions {
+        black_box(JudgedMap::new(region.clone(), tracer.geometry(), &seen)?);
+    }
+    draft.parts_ms[2] = lap(start);
+    Ok(draft)
+}
+
+fn lap(start: Instant) -> f64 {
+    start.elapsed().as_secs_f64() * 1e3
+}
+
+fn median(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    sorted.get(sorted.len() / 2).copied().unwrap_or(f64::NAN)
+}
