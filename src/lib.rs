@@ -1,7 +1,8 @@
 //! lixel plans shadow maps offline: per frame and light, the light matrix that wastes fewest texels on what the camera
 //! sees, and the smallest map that keeps the wrongly shadowed pixels under the user's epsilon.
 //!
-//! The modules stand in the order in which data flows; each knows only those above it.
+//! Data flows one way: scene → visibility → samples → metric → fit → methods → depth → raster → measure → resolution →
+//! plan. Each module knows only those before it; `docs/architecture.md` has the house.
 //!
 //! # Conventions
 //! * **World**: right-handed, metres, y up, as in glTF. Inputs that differ are converted once, on load.
