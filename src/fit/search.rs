@@ -113,7 +113,7 @@ pub fn minimise(problem: &FitProblem, effort: Effort, tolerance: f64, starts: &[
     };
     if starts.is_empty() || effort != Effort::Local {
         seeds.push((value_at(DVec2::ZERO), DVec2::ZERO));
-        for (_, ab) in polar_grid(&polar, directions, fractions) {
+        for ab in polar_grid(&polar, directions, fractions) {
             seeds.push((value_at(ab), ab));
         }
     }
@@ -159,7 +159,7 @@ pub fn minimise_exhaustive(problem: &FitProblem, tolerance: f64) -> Option<Fit> 
         evaluations += 1;
         problem.affine(problem.hull, ab).map_or(f64::INFINITY, |f| f.value)
     };
-    let mut seeds: Vec<(f64, DVec2)> = polar_grid(&polar, 96, &fractions).map(|(_, ab)| (value_at(ab), ab)).collect();
+    let mut seeds: Vec<(f64, DVec2)> = polar_grid(&polar, 96, &fractions).map(|ab| (value_at(ab), ab)).collect();
     seeds.push((value_at(DVec2::ZERO), DVec2::ZERO));
     seeds.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.x.total_cmp(&b.1.x)).then(a.1.y.total_cmp(&b.1.y)));
     let mut best: Option<(f64, DVec2, f64, Termination)> = None;
@@ -173,15 +173,11 @@ pub fn minimise_exhaustive(problem: &FitProblem, tolerance: f64) -> Option<Fit> 
     finish(problem, ab, evaluations, spread, tolerance, termination)
 }
 
-fn polar_grid<'a>(
-    polar: &'a PolarPolygon,
-    directions: u32,
-    fractions: &'a [f64],
-) -> impl Iterator<Item = (f64, DVec2)> + 'a {
+fn polar_grid<'a>(polar: &'a PolarPolygon, directions: u32, fractions: &'a [f64]) -> impl Iterator<Item = DVec2> + 'a {
     (0..directions).flat_map(move |k| {
         let direction = DVec2::from_angle(std::f64::consts::TAU * f64::from(k) / f64::from(directions));
         let radius = polar.radius(direction);
-        fractions.iter().map(move |f| (*f, direction * (radius * f)))
+        fractions.iter().map(move |f| direction * (radius * f))
     })
 }
 

@@ -52,17 +52,6 @@ impl Counts {
     }
 }
 
-/// Wrong pixels by their cause; filled in by the stage that can tell.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Errors {
-    /// All.
-    pub counts: Counts,
-    /// Of them, pixels whose exact answer is itself uncertain.
-    pub uncertain: u64,
-    /// Of them, pixels that another bias would have answered right.
-    pub self_shadow: u64,
-}
-
 /// What a lookup found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Looked {

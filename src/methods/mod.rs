@@ -162,11 +162,8 @@ pub fn solve(method: Method, inputs: &Inputs) -> Result<Vec<Region>, Inapplicabl
 }
 
 /// Whether the region that a point looks up holds it.
-fn held(regions: &[Region], point: DVec3) -> bool {
-    regions.iter().find(|r| r.domain.holds(point)).is_some_and(|region| {
-        let p = region.h * region.space.q(point);
-        p.z > 0.0 && p.x >= 0.0 && p.x <= p.z && p.y >= 0.0 && p.y <= p.z
-    })
+pub fn held(regions: &[Region], point: DVec3) -> bool {
+    regions.iter().find(|r| r.domain.holds(point)).is_some_and(|r| r.contains(point))
 }
 
 /// Maps near a single region's own, for searches that measure; `step` is relative to the legal range of p4.

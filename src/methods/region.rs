@@ -61,6 +61,12 @@ impl Region {
         Region { domain: Domain::All, space: plane.space, h, aspect, report, plane: Arc::new(plane), rows }
     }
 
+    /// Whether a scene point lies in front of the light and inside the map. The domain is not asked.
+    pub fn contains(&self, point: DVec3) -> bool {
+        let p = self.h * self.space.q(point);
+        p.z > 0.0 && p.x >= 0.0 && p.x <= p.z && p.y >= 0.0 && p.y <= p.z
+    }
+
     /// The same region with other rows on normalised q.
     pub(super) fn moved(&self, rows: [DVec3; 3], aspect: f64) -> Region {
         let h = homography(&self.plane, &rows);

@@ -5,7 +5,7 @@ use super::{AspectRule, Bound, MapParams, QualityParams};
 use crate::fit::Aspect;
 use crate::math::Bounds;
 use crate::measure::{Outside, Receivers};
-use crate::methods::{Inapplicable, Inputs, Prediction, Region, SolverParams, solve};
+use crate::methods::{Inapplicable, Inputs, Prediction, Region, SolverParams, held, solve};
 use crate::samples::LightSamples;
 use crate::scene::{Camera, Film, Light};
 use glam::DVec3;
@@ -108,7 +108,7 @@ pub fn fit_light(
     let mut regions = fit(&covered, texels)?;
     let mut joined = 0;
     for _ in 0..COVER_ROUNDS {
-        let outside: Vec<DVec3> = wanted.iter().copied().filter(|p| !holds(&regions, *p)).collect();
+        let outside: Vec<DVec3> = wanted.iter().copied().filter(|p| !held(&regions, *p)).collect();
         if outside.is_empty() {
             break;
         }
@@ -127,13 +127,6 @@ pub fn fit_light(
     }
     let shares = shares(&regions);
     Ok(FittedLight { regions, shares, texels, evaluations, joined, covered })
-}
-
-/// Whether the region that a point looks up holds it.
-fn holds(regions: &[Region], point: DVec3) -> bool {
-    let Some(region) = regions.iter().find(|r| r.domain.holds(point)) else { return false };
-    let p = region.h * region.space.q(point);
-    p.z > 0.0 && p.x >= 0.0 && p.x <= p.z && p.y >= 0.0 && p.y <= p.z
 }
 
 /// The best split of a budget: in proportion to c^(2/3), c the error at unit budget (math note §6).

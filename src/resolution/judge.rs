@@ -40,15 +40,8 @@ pub struct JudgedMap {
 impl JudgedMap {
     /// The matrix of a region with the depth row that holds `receivers` and their casters.
     pub fn new(region: Region, geometry: Geometry, receivers: &[DVec3]) -> Result<JudgedMap, DepthError> {
-        let inside: Vec<DVec3> = receivers
-            .iter()
-            .copied()
-            .filter(|p| region.domain.holds(*p))
-            .filter(|p| {
-                let u = region.h * region.space.q(*p);
-                u.z > 0.0 && u.x >= 0.0 && u.x <= u.z && u.y >= 0.0 && u.y <= u.z
-            })
-            .collect();
+        let inside: Vec<DVec3> =
+            receivers.iter().copied().filter(|p| region.domain.holds(*p) && region.contains(*p)).collect();
         let kept = kept_points(geometry, &region.space, &region.h, &inside);
         let depth = fit_row(&region.space, &region.h, &kept, region.is_camera())?;
         Ok(JudgedMap { clip_from_scene: clip_from_scene(&region, depth.row), region, depth })

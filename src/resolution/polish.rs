@@ -44,17 +44,15 @@ pub fn polish(
         None => return Ok(0),
     };
     let mut better = |judge: &mut Judge, candidates: Vec<Region>, best: &mut (u64, JudgedMap)| {
-        let mut found = false;
         for region in candidates {
             measured += 1;
             if let Some(candidate) = measure(question, judge, &region, texels)?
                 && candidate.0 < best.0
             {
                 *best = candidate;
-                found = true;
             }
         }
-        Ok::<bool, RasterError>(found)
+        Ok::<(), RasterError>(())
     };
     let others: Vec<Region> = [
         variant(Method::Lixel, Metric::Displacement).filter(|_| question.solver.metric != Metric::Displacement),
@@ -70,9 +68,7 @@ pub fn polish(
         let step = FIRST_STEP * (1.0 - t * 2.0 / 3.0);
         let inputs = question.inputs(samples, &covered, texels, question.solver);
         let near = neighbours(&inputs, &best.1.region, step);
-        if !better(judge, near, &mut best)? && round + 1 == rounds {
-            break;
-        }
+        better(judge, near, &mut best)?;
     }
     fitted.regions = vec![best.1.region.clone()];
     judge.maps = vec![best.1];
