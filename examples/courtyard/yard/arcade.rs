@@ -1,8 +1,9 @@
 //! The arcade on the terrace: eight columns, seven arches, rafters, and the lantern that holds the light `lamp`.
 
-use super::document::{Content, Document, Placement, units};
-use super::mesh::{Mesh, lathe, rounded, sheet, tube};
-use super::{Palette, TERRACE_M, schema};
+use super::authoring::document::{Content, Document, Placement, units};
+use super::authoring::mesh::{Mesh, lathe, rounded, sheet, tube};
+use super::authoring::schema;
+use super::{Palette, TERRACE_M};
 use glam::{DMat4, DVec2, DVec3, dvec2, dvec3};
 use std::f64::consts::PI;
 

@@ -1,7 +1,7 @@
 //! What stands in the court: a fountain, a table with two benches, pots.
 
-use super::document::{Content, Document, Placement};
-use super::mesh::{Mesh, lathe, rounded};
+use super::authoring::document::{Content, Document, Placement};
+use super::authoring::mesh::{Mesh, lathe, rounded};
 use super::{FOOTING_M, Palette};
 use glam::{DMat4, DQuat, DVec2, dvec3};
 

@@ -1,8 +1,8 @@
 //! The wrought-iron fence along the west side: eight panels of ten bars, 2 cm thick, and a gate that swings.
 
-use super::document::{Content, Document, Keys, Placement};
-use super::mesh::{Mesh, cuboid, lathe, rounded, tube};
-use super::shot::frame_time_s;
+use super::authoring::document::{Content, Document, Keys, Placement};
+use super::authoring::mesh::{Mesh, cuboid, lathe, rounded, tube};
+use super::authoring::pose::frame_time_s;
 use super::{FOOTING_M, Palette};
 use glam::{DMat4, DQuat, DVec2, DVec3, dvec3};
 use std::f64::consts::FRAC_PI_2;

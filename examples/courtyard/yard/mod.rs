@@ -4,18 +4,16 @@
 //! fence with a swinging gate; the low `sun` comes through it. East: a pierced wall whose bracket holds the `spot`.
 
 mod arcade;
+#[path = "../../authoring/mod.rs"]
+mod authoring;
 mod court;
-mod document;
 mod fence;
-mod mesh;
-mod prng;
-mod schema;
 mod shot;
 mod terrace;
 mod tree;
 mod walls;
 
-use document::Document;
+use authoring::document::Document;
 
 /// Everything sits this much below y = 0, which is more than the deepest hollow of the uneven ground: nothing floats.
 const FOOTING_M: f64 = 0.06;
@@ -58,5 +56,5 @@ pub(crate) fn build() -> std::io::Result<Vec<u8>> {
         shot::sun(&mut doc),
         shot::camera(&mut doc),
     ];
-    doc.into_glb(&roots)
+    doc.into_glb("courtyard", &roots)
 }

@@ -1,10 +1,9 @@
 //! The shot: 90 frames at 24 a second from the fence to the stair, and the sun.
 
-use super::document::{Content, Document, Keys, Placement, units};
-use super::schema;
-use glam::{DMat3, DQuat, DVec3, dvec3};
-
-const FRAMES_PER_SECOND: f64 = 24.0;
+use super::authoring::document::{Content, Document, Keys, Placement, units};
+use super::authoring::pose::{frame_time_s, looking};
+use super::authoring::schema;
+use glam::{DVec3, dvec3};
 
 /// The camera's keys: frame, where it is, what it looks at.
 const WALK: [(f64, DVec3, DVec3); 6] = [
@@ -19,18 +18,6 @@ const WALK: [(f64, DVec3, DVec3); 6] = [
 /// Height of the sun above the horizon, and the compass bearing its light travels to, from east (+x) to north (-z).
 const SUN_HEIGHT_DEGREES: f64 = 12.0;
 const SUN_BEARING_DEGREES: f64 = 24.0;
-
-/// Frame 1 is at t = 0.
-pub(super) fn frame_time_s(frame: f64) -> f64 {
-    (frame - 1.0) / FRAMES_PER_SECOND
-}
-
-/// World from camera for a camera that looks along its -z, y up.
-fn looking(from: DVec3, at: DVec3) -> DQuat {
-    let backward = (from - at).normalize();
-    let right = DVec3::Y.cross(backward).normalize();
-    DQuat::from_mat3(&DMat3::from_cols(right, backward.cross(right), backward))
-}
 
 /// The node of the walking camera. Tangents are central differences, one-sided at the ends.
 pub(super) fn camera(doc: &mut Document) -> usize {

@@ -1,8 +1,8 @@
 //! The ground with a path, the terrace along the north side, its stair and its balustrade.
 
-use super::document::{Content, Document, Placement};
-use super::mesh::{Mesh, cuboid, lathe, rounded, sheet};
-use super::prng::Prng;
+use super::authoring::document::{Content, Document, Placement};
+use super::authoring::mesh::{Mesh, cuboid, lathe, rounded, sheet};
+use super::authoring::prng::Prng;
 use super::{FOOTING_M, Palette, TERRACE_M};
 use glam::{DMat4, DVec2, DVec3, dvec2, dvec3};
 

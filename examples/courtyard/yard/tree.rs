@@ -1,8 +1,8 @@
 //! Two trees from one seed: a trunk that forks three times, and twigs of leaves, one mesh placed at every branch's end.
 
-use super::document::{Content, Document, Placement};
-use super::mesh::{Mesh, tube};
-use super::prng::Prng;
+use super::authoring::document::{Content, Document, Placement};
+use super::authoring::mesh::{Mesh, tube};
+use super::authoring::prng::Prng;
 use super::{FOOTING_M, Palette};
 use glam::{DMat4, DQuat, DVec3, dvec3};
 use std::f64::consts::TAU;

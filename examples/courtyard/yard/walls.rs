@@ -1,9 +1,10 @@
 //! The two walls: the house behind the arcade, its openings closed by shutters; and the garden wall in the east, which
 //! light and sight pass through, with the bracket of the light `spot`.
 
-use super::document::{Content, Document, Placement, units};
-use super::mesh::{Mesh, lathe, tube};
-use super::{FOOTING_M, Palette, TERRACE_M, schema};
+use super::authoring::document::{Content, Document, Placement, units};
+use super::authoring::mesh::{Mesh, lathe, tube};
+use super::authoring::schema;
+use super::{FOOTING_M, Palette, TERRACE_M};
 use glam::{DMat4, DQuat, DVec2, DVec3, dvec3};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_8};
 

@@ -1,4 +1,4 @@
-//! Triangles and the few shapes the courtyard is made of. Counter-clockwise is outside, as glTF has it. No normals are
+//! Triangles and the few shapes the examples are made of. Counter-clockwise is outside, as glTF has it. No normals are
 //! kept: glTF viewers then shade flat, and a shadow planner looks at the triangles themselves.
 
 use glam::{DMat4, DVec2, DVec3, dvec3};
@@ -6,28 +6,28 @@ use std::f64::consts::TAU;
 
 /// Vertices in metres, three indices a triangle.
 #[derive(Default)]
-pub(super) struct Mesh {
-    pub(super) positions: Vec<DVec3>,
-    pub(super) triangles: Vec<[usize; 3]>,
+pub(crate) struct Mesh {
+    pub(crate) positions: Vec<DVec3>,
+    pub(crate) triangles: Vec<[usize; 3]>,
 }
 
 impl Mesh {
     /// Adds another mesh, moved by a transform that keeps handedness.
-    pub(super) fn add(&mut self, other: &Mesh, transform: DMat4) {
+    pub(crate) fn add(&mut self, other: &Mesh, transform: DMat4) {
         let base = self.positions.len();
         self.positions.extend(other.positions.iter().map(|&p| transform.transform_point3(p)));
         self.triangles.extend(other.triangles.iter().map(|t| t.map(|i| i + base)));
     }
 
     /// Adds a quadrilateral with vertices of its own; two triangles, counter-clockwise.
-    pub(super) fn add_quad(&mut self, corners: [DVec3; 4]) {
+    pub(crate) fn add_quad(&mut self, corners: [DVec3; 4]) {
         let base = self.positions.len();
         self.positions.extend(corners);
         self.triangles.extend([[base, base + 1, base + 2], [base, base + 2, base + 3]]);
     }
 
     /// Adds an axis-parallel box between two corners.
-    pub(super) fn add_box(&mut self, min: DVec3, max: DVec3) {
+    pub(crate) fn add_box(&mut self, min: DVec3, max: DVec3) {
         let base = self.positions.len();
         for corner in 0..8_usize {
             let pick = |bit: usize, low: f64, high: f64| if corner & bit == 0 { low } else { high };
@@ -40,14 +40,14 @@ impl Mesh {
     }
 
     /// Adds a box given its middle and its full size.
-    pub(super) fn add_block(&mut self, middle: DVec3, size: DVec3) {
+    pub(crate) fn add_block(&mut self, middle: DVec3, size: DVec3) {
         self.add_box(middle - 0.5 * size, middle + 0.5 * size);
     }
 
     /// Joins rings of equally many vertices, `closed` ones around, each ring above the one before (a closed one counter-clockwise
     /// seen from above). A ring whose vertices
     /// coincide gives no degenerate triangles.
-    pub(super) fn add_rings(&mut self, rings: &[Vec<DVec3>], closed: bool) {
+    pub(crate) fn add_rings(&mut self, rings: &[Vec<DVec3>], closed: bool) {
         let mut below: Option<Vec<usize>> = None;
         for ring in rings {
             let pole = ring.iter().all(|p| *p == ring[0]);
@@ -72,7 +72,7 @@ impl Mesh {
 }
 
 /// A box between two corners.
-pub(super) fn cuboid(min: DVec3, max: DVec3) -> Mesh {
+pub(crate) fn cuboid(min: DVec3, max: DVec3) -> Mesh {
     let mut mesh = Mesh::default();
     mesh.add_box(min, max);
     mesh
@@ -80,7 +80,7 @@ pub(super) fn cuboid(min: DVec3, max: DVec3) -> Mesh {
 
 /// A body of revolution about y. The profile runs upwards along the outside as (radius, height); one that comes back
 /// down inside makes a vessel.
-pub(super) fn lathe(profile: &[DVec2], sides: usize) -> Mesh {
+pub(crate) fn lathe(profile: &[DVec2], sides: usize) -> Mesh {
     let ring = |p: &DVec2| {
         let side = |j: usize| {
             let (sin, cos) = (TAU * (j as f64 + 0.5) / sides as f64).sin_cos();
@@ -94,7 +94,7 @@ pub(super) fn lathe(profile: &[DVec2], sides: usize) -> Mesh {
 }
 
 /// A smooth profile through the given points, `steps` pieces between two of them (Catmull-Rom).
-pub(super) fn rounded(points: &[DVec2], steps: usize) -> Vec<DVec2> {
+pub(crate) fn rounded(points: &[DVec2], steps: usize) -> Vec<DVec2> {
     let last = points.len() - 1;
     let mut profile = Vec::new();
     for i in 0..last {
@@ -110,7 +110,7 @@ pub(super) fn rounded(points: &[DVec2], steps: usize) -> Vec<DVec2> {
 }
 
 /// A round rod along a path of (point, radius); its ends are open unless their radius is zero.
-pub(super) fn tube(path: &[(DVec3, f64)], sides: usize) -> Mesh {
+pub(crate) fn tube(path: &[(DVec3, f64)], sides: usize) -> Mesh {
     let tangent = |i: usize| (path[(i + 1).min(path.len() - 1)].0 - path[i.saturating_sub(1)].0).normalize();
     let mut across = tangent(0).any_orthonormal_vector();
     let mut rings = Vec::new();
@@ -130,7 +130,7 @@ pub(super) fn tube(path: &[(DVec3, f64)], sides: usize) -> Mesh {
 }
 
 /// A sheet between lines of equally many points; it faces along (points of a line) × (line to next line).
-pub(super) fn sheet(lines: &[Vec<DVec3>]) -> Mesh {
+pub(crate) fn sheet(lines: &[Vec<DVec3>]) -> Mesh {
     let mut mesh = Mesh::default();
     mesh.add_rings(lines, false);
     mesh

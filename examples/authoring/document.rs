@@ -23,7 +23,7 @@ fn metres(value: f64) -> f32 {
 }
 
 /// Rounds an angle or a number about one.
-pub(super) fn units(value: f64) -> f32 {
+pub(crate) fn units(value: f64) -> f32 {
     ((value * STEPS_PER_UNIT).round() / STEPS_PER_UNIT) as f32
 }
 
@@ -32,7 +32,7 @@ fn metres3(v: DVec3) -> [f32; 3] {
 }
 
 /// What a node holds besides children.
-pub(super) enum Content {
+pub(crate) enum Content {
     Group,
     Mesh(usize),
     Camera(usize),
@@ -41,10 +41,10 @@ pub(super) enum Content {
 
 /// Parent-from-node: scale first, then rotation, then translation.
 #[derive(Clone, Copy)]
-pub(super) struct Placement {
-    pub(super) translation: DVec3,
-    pub(super) rotation: DQuat,
-    pub(super) scale: DVec3,
+pub(crate) struct Placement {
+    pub(crate) translation: DVec3,
+    pub(crate) rotation: DQuat,
+    pub(crate) scale: DVec3,
 }
 
 impl Default for Placement {
@@ -55,13 +55,13 @@ impl Default for Placement {
 
 impl Placement {
     /// A mere shift.
-    pub(super) fn at(x: f64, y: f64, z: f64) -> Self {
+    pub(crate) fn at(x: f64, y: f64, z: f64) -> Self {
         Placement { translation: DVec3::new(x, y, z), ..Placement::default() }
     }
 }
 
 /// Values of an animated node over time; the key times come with them.
-pub(super) enum Keys {
+pub(crate) enum Keys {
     /// CUBICSPLINE: tangent in, value, tangent out for each key; tangents in metres per second.
     Translation(Vec<[DVec3; 3]>),
     /// LINEAR.
@@ -70,7 +70,7 @@ pub(super) enum Keys {
 
 /// A glTF file in the making. Its methods return the index of what they add.
 #[derive(Default)]
-pub(super) struct Document {
+pub(crate) struct Document {
     nodes: Vec<schema::Node>,
     cameras: Vec<schema::Camera>,
     lights: Vec<schema::Light>,
@@ -83,7 +83,7 @@ pub(super) struct Document {
 }
 
 impl Document {
-    pub(super) fn material(&mut self, name: &'static str, rgb: [f32; 3], metallic: f32, roughness: f32) -> usize {
+    pub(crate) fn material(&mut self, name: &'static str, rgb: [f32; 3], metallic: f32, roughness: f32) -> usize {
         let [r, g, b] = rgb;
         let surface = schema::Surface {
             base_color_factor: [r, g, b, 1.0],
@@ -94,7 +94,7 @@ impl Document {
         self.materials.len() - 1
     }
 
-    pub(super) fn mesh(&mut self, name: &'static str, material: usize, mesh: &Mesh) -> usize {
+    pub(crate) fn mesh(&mut self, name: &'static str, material: usize, mesh: &Mesh) -> usize {
         let rows: Vec<[f32; 3]> = mesh.positions.iter().map(|&p| metres3(p)).collect();
         let position = self.float_accessor(0, "VEC3", &rows, true);
         let byte_offset = self.views[1].len();
@@ -117,17 +117,17 @@ impl Document {
         self.meshes.len() - 1
     }
 
-    pub(super) fn camera(&mut self, camera: schema::Camera) -> usize {
+    pub(crate) fn camera(&mut self, camera: schema::Camera) -> usize {
         self.cameras.push(camera);
         self.cameras.len() - 1
     }
 
-    pub(super) fn light(&mut self, light: schema::Light) -> usize {
+    pub(crate) fn light(&mut self, light: schema::Light) -> usize {
         self.lights.push(light);
         self.lights.len() - 1
     }
 
-    pub(super) fn node(
+    pub(crate) fn node(
         &mut self,
         name: impl Into<String>,
         content: Content,
@@ -151,7 +151,7 @@ impl Document {
     }
 
     /// Animates a node; one key per time, in seconds.
-    pub(super) fn animate(&mut self, node: usize, times_s: &[f64], keys: Keys) {
+    pub(crate) fn animate(&mut self, node: usize, times_s: &[f64], keys: Keys) {
         let times: Vec<[f32; 1]> = times_s.iter().map(|&t| [t as f32]).collect();
         let input = self.float_accessor(2, "SCALAR", &times, true);
         let (path, interpolation, output) = match keys {
@@ -195,8 +195,8 @@ impl Document {
         self.accessors.len() - 1
     }
 
-    /// The finished file; `roots` are the top nodes of its only scene.
-    pub(super) fn into_glb(self, roots: &[usize]) -> Result<Vec<u8>> {
+    /// The finished file; `roots` are the top nodes of its only scene, which has a name.
+    pub(crate) fn into_glb(self, name: &'static str, roots: &[usize]) -> Result<Vec<u8>> {
         if self.accessors.iter().any(|a| a.buffer_view == 0 && a.count > usize::from(u16::MAX)) {
             return Err(Error::new(ErrorKind::InvalidData, "a mesh has more than 65535 vertices: split it"));
         }
@@ -210,10 +210,10 @@ impl Document {
             bin.resize(bin.len().next_multiple_of(4), 0);
         }
         let gltf = schema::Gltf {
-            asset: schema::Asset { version: "2.0", generator: "lixel examples/courtyard" },
+            asset: schema::Asset { version: "2.0", generator: format!("lixel examples/{name}") },
             extensions_used: ["KHR_lights_punctual"],
             scene: 0,
-            scenes: [schema::Scene { name: "courtyard", nodes: roots.to_vec() }],
+            scenes: [schema::Scene { name, nodes: roots.to_vec() }],
             nodes: self.nodes,
             cameras: self.cameras,
             meshes: self.meshes,

@@ -1,8 +1,8 @@
-//! SplitMix64 (Steele, Lea, Flood 2014, "Fast splittable pseudorandom number generators"): a seeded stream, so that the
-//! trees grow the same way on every run.
+//! SplitMix64 (Steele, Lea, Flood 2014, "Fast splittable pseudorandom number generators"): a seeded stream, so that a
+//! scene grows the same way on every run.
 
 /// State of the stream; start it with any seed.
-pub(super) struct Prng(pub(super) u64);
+pub(crate) struct Prng(pub(crate) u64);
 
 impl Prng {
     /// The next number in [0, 1), with 53 bits.
@@ -16,7 +16,7 @@ impl Prng {
     }
 
     /// The next number in [low, high).
-    pub(super) fn between(&mut self, low: f64, high: f64) -> f64 {
+    pub(crate) fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.unit()
     }
 }
