@@ -37,13 +37,7 @@ const FEW: usize = 1024;
 
 impl<'a> Kept<'a> {
     /// What the map `h` keeps when `visible` points in its domain and square look it up, lit ones too.
-    pub fn new(
-        tracer: &'a Tracer<'a>,
-        space: &LightSpace,
-        h: &DMat3,
-        visible: &Visible,
-        domain: &Domain,
-    ) -> Kept<'a> {
+    pub fn new(tracer: &'a Tracer<'a>, space: &LightSpace, h: &DMat3, visible: &Visible, domain: &Domain) -> Kept<'a> {
         let (p1, p2, p4) = (h.row(0), h.row(1), h.row(2));
         let holds = |p: DVec3| {
             let m = *h * space.q(p);
@@ -64,7 +58,8 @@ impl<'a> Kept<'a> {
             (p4 * grown - p2).extend(0.0),
             p4.extend(if space.directional { 0.0 } else { -W_MIN * w_most }),
         ];
-        let mut kept = Kept { tracer, space: *space, p4, planes, scene_planes: planes, few: Vec::new(), empty: !(w_most > 0.0) };
+        let mut kept =
+            Kept { tracer, space: *space, p4, planes, scene_planes: planes, few: Vec::new(), empty: w_most <= 0.0 };
         if !kept.empty {
             kept.scene_planes = planes.map(|plane| kept.scene_row(plane));
             kept.few = few.iter().map(|p| kept.vector(*p)).filter(|v| kept.w(*v) > 0.0).collect();

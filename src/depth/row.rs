@@ -117,8 +117,7 @@ pub fn fit_row(kept: &Kept, plain: bool) -> Result<DepthRow, DepthError> {
         return Err(DepthError::NoRow);
     }
     // A point light's axes are orthonormal, so w / |p4| is in metres along the view axis.
-    let (depth, one) =
-        if space.directional { (DVec4::W, DVec4::Z) } else { (by_w / p4.length(), DVec4::W) };
+    let (depth, one) = if space.directional { (DVec4::W, DVec4::Z) } else { (by_w / p4.length(), DVec4::W) };
     let (far_m, near_m) = (extreme(depth, one, VIOLATION).0, -extreme(-depth, one, VIOLATION).0);
     Ok(DepthRow { row, near_m, far_m })
 }

@@ -2,7 +2,7 @@
 
 use super::{Bound, FilmQuestion, FittedLight, QualityParams};
 use crate::depth::{DepthError, DepthRow, Kept, Visible, fit_row};
-use crate::measure::{Certainty, Drawn, Receivers, Verdict, edge_distance, footprint, wrong};
+use crate::measure::{Certainty, Drawn, Receivers, Verdict, edge_distance, fewer_wrong, footprint, wrong};
 use crate::methods::Region;
 use crate::raster::{Bias, Canvas, RasterError};
 use crate::visibility::{RayOffset, Tracer, View};
@@ -114,6 +114,11 @@ impl<'a> Judge<'a> {
     /// Receivers answered wrongly by drawn maps.
     pub fn wrong(&self, drawn: &[Drawn]) -> Vec<u32> {
         wrong(self.receivers, drawn, self.question.map.outside)
+    }
+
+    /// How many receivers drawn maps answer wrongly, if fewer than `limit`.
+    pub fn fewer_wrong(&self, drawn: &[Drawn], limit: u64) -> Option<u64> {
+        fewer_wrong(self.receivers, drawn, self.question.map.outside, limit)
     }
 
     /// The measured value of a bound at a quantile, pixels: edge distance, or texel footprint.
