@@ -12,6 +12,7 @@ use std::hint::black_box;
 use std::path::Path;
 use std::time::Instant;
 
+use lixel::depth::Visible;
 use lixel::job::{Job, load};
 use lixel::math::Bounds;
 use lixel::measure::Receivers;
@@ -137,8 +138,9 @@ fn draft(film: Film, frame: &SceneFrame, tracer: &Tracer, light: &Light, job: &J
     draft.sizes = predict_only(&question, &fitted).sizes;
     draft.parts_ms[1] = lap(start);
     let start = Instant::now();
+    let visible = Visible::new(&seen);
     for region in &fitted.regions {
-        black_box(JudgedMap::new(region.clone(), tracer.geometry(), &seen)?);
+        black_box(JudgedMap::new(region.clone(), tracer, &visible)?);
     }
     draft.parts_ms[2] = lap(start);
     Ok(draft)

@@ -18,6 +18,7 @@ use lixel::fit::{Aspect, Shape, fit_affine};
 use lixel::math::support_subset;
 use lixel::methods::{Inputs, Method, SolverParams, solve};
 use lixel::metric::{Metric, Moments, cost_and_moments, moments_of};
+use lixel::samples::SamplingParams;
 use synthetic::Scene;
 
 /// Edge samples of a coarse and of a full look at a frame.
@@ -36,12 +37,11 @@ fn main() {
     }
     for count in COUNTS {
         let scene = Scene::new(count);
-        let standard = SolverParams { rounds: 4, ..SolverParams::default() };
-        race(&scene, "saturating, standard", &standard, count, rounds);
+        let standard = SolverParams::default();
+        race(&scene, "saturating, standard, all samples", &standard, count, rounds);
         race(&scene, "L2, as the rival", &SolverParams { metric: Metric::L2, ..standard.clone() }, count, rounds);
-        if count > COUNTS[0] {
-            race(&scene, "saturating, standard, cap 5000", &standard, COUNTS[0], rounds);
-        }
+        let cap = SamplingParams::default().cap as usize;
+        race(&scene, "saturating, standard, its cap", &standard, cap, rounds);
     }
 }
 

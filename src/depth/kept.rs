@@ -1,20 +1,30 @@
 //! What the depth range of a map has to hold: receivers that look it up, and casters between them and the light.
+//!
+//! Kept is a polygon of each triangle: the part inside the map's square, in front of the light and not behind every
+//! receiver. Receivers lie on triangles, so the polygons hold them. The polygons are never listed: what the depth row
+//! asks for is the point with the largest value of a fraction, and whole boxes of triangles can be passed over that lie
+//! outside or whose corners stay below the best point so far. Linear-fractional functions are largest at the corners of
+//! convex sets, and α·v/β·v > r is the linear inequality (α - r β)·v > 0.
 
-use crate::math::LightSpace;
-use crate::scene::Geometry;
+use super::visible::{Visible, most};
+use crate::math::{Domain, LightSpace};
+use crate::visibility::{Part, Tracer};
 use glam::{DMat3, DVec3, DVec4};
-use rayon::prelude::*;
 
-/// Homogeneous vectors (q, e) of what is kept, e = 1 for point and spot lights and metres along the light for
-/// directional ones, each with w = p4·q > 0.
-#[derive(Clone, Debug, Default)]
-pub struct Kept {
-    /// Vectors (q, e).
-    pub points: Vec<DVec4>,
-    /// Smallest and largest depth along the light, metres from the light (point, spot) or from the plane's centre.
-    pub range_m: [f64; 2],
-    /// Triangles that hold a kept caster.
-    pub casters: u64,
+/// What a map keeps, as homogeneous vectors v = (q, e): e = 1 for point and spot lights and metres along the light for
+/// directional ones; each with w = p4·q > 0.
+#[derive(Clone, Debug)]
+pub struct Kept<'a> {
+    tracer: &'a Tracer<'a>,
+    pub(super) space: LightSpace,
+    pub(super) p4: DVec3,
+    /// Half-spaces on v inside which a point is kept.
+    planes: [DVec4; 6],
+    /// The same on (X, 1).
+    scene_planes: [DVec4; 6],
+    /// A thinned set of the receivers.
+    pub(super) few: Vec<DVec4>,
+    empty: bool,
 }
 
 /// Smallest w kept, relative to the largest among receivers. A caster nearer the light than this is cut at it: f32 depth
@@ -22,91 +32,119 @@ pub struct Kept {
 const W_MIN: f64 = 1e-6;
 /// Room left around the unit square for casters, so that a texel centre at the border still meets them.
 const BORDER: f64 = 0.01;
+/// Receivers that are looked at one by one. They only start the searches.
+const FEW: usize = 1024;
 
-/// Collects what a map keeps. `receivers` are the visible points that look the map up, lit ones too.
-pub fn kept_points(geometry: Geometry, space: &LightSpace, h: &DMat3, receivers: &[DVec3]) -> Kept {
-    let p4 = h.row(2);
-    let vector = |p: DVec3| space.q(p).extend(if space.directional { space.along(p) } else { 1.0 });
-    let depth = |v: DVec4| if space.directional { v.w } else { v.truncate().dot(p4) };
-    let in_front: Vec<DVec4> = receivers.iter().map(|p| vector(*p)).filter(|v| v.truncate().dot(p4) > 0.0).collect();
-    let farthest = in_front.iter().map(|v| depth(*v)).fold(f64::NEG_INFINITY, f64::max);
-    let w_most = in_front.iter().map(|v| v.truncate().dot(p4)).fold(0.0, f64::max);
-    if in_front.is_empty() {
-        return Kept::default();
+impl<'a> Kept<'a> {
+    /// What the map `h` keeps when `visible` points in its domain and square look it up, lit ones too.
+    pub fn new(tracer: &'a Tracer<'a>, space: &LightSpace, h: &DMat3, visible: &Visible, domain: &Domain) -> Kept<'a> {
+        let (p1, p2, p4) = (h.row(0), h.row(1), h.row(2));
+        let holds = |p: DVec3| {
+            let m = *h * space.q(p);
+            domain.holds(p) && m.z > 0.0 && m.x >= 0.0 && m.x <= m.z && m.y >= 0.0 && m.y <= m.z
+        };
+        let square = [p4, p1, p4 - p1, p2, p4 - p2].map(|row| space.row_from_q(row));
+        let few = visible.few(FEW, &holds);
+        let depth_row = if space.directional { space.along_row() } else { space.row_from_q(p4) };
+        let farthest = visible.largest(depth_row, &square, &holds, f64::NEG_INFINITY);
+        let w_most = visible.largest(space.row_from_q(p4), &square, &holds, 0.0);
+        let grown = 1.0 + BORDER;
+        let behind = if space.directional { DVec4::new(0.0, 0.0, farthest, -1.0) } else { (-p4).extend(farthest) };
+        let planes = [
+            behind,
+            (p1 + p4 * BORDER).extend(0.0),
+            (p4 * grown - p1).extend(0.0),
+            (p2 + p4 * BORDER).extend(0.0),
+            (p4 * grown - p2).extend(0.0),
+            p4.extend(if space.directional { 0.0 } else { -W_MIN * w_most }),
+        ];
+        let mut kept =
+            Kept { tracer, space: *space, p4, planes, scene_planes: planes, few: Vec::new(), empty: w_most <= 0.0 };
+        if !kept.empty {
+            kept.scene_planes = planes.map(|plane| kept.scene_row(plane));
+            kept.few = few.iter().map(|p| kept.vector(*p)).filter(|v| kept.w(*v) > 0.0).collect();
+        }
+        kept
     }
-    // Half-spaces on (q, e) inside which a caster counts: the map's square, in front of the light, not behind every
-    // receiver.
-    let (p1, p2) = (h.row(0), h.row(1));
-    let grown = 1.0 + BORDER;
-    let behind = if space.directional { DVec4::new(0.0, 0.0, farthest, -1.0) } else { (-p4).extend(farthest) };
-    let planes: [DVec4; 6] = [
-        p4.extend(if space.directional { 0.0 } else { -W_MIN * w_most }),
-        (p1 + p4 * BORDER).extend(0.0),
-        (p4 * grown - p1).extend(0.0),
-        (p2 + p4 * BORDER).extend(0.0),
-        (p4 * grown - p2).extend(0.0),
-        behind,
-    ];
-    let triangles = 0..geometry.len() as u32;
-    let chunks: Vec<(Vec<DVec4>, u64)> = triangles
-        .into_par_iter()
-        .with_min_len(8192)
-        .fold(
-            || (Vec::new(), 0),
-            |(mut points, mut casters), index| {
-                let corners = geometry.triangle_f64(index).map(vector);
-                casters += u64::from(clip_into(corners, &planes, &mut points));
-                (points, casters)
-            },
-        )
-        .collect();
-    let mut points = in_front;
-    let mut casters = 0;
-    for (found, count) in chunks {
-        points.extend(found);
-        casters += count;
+
+    /// True when nothing visible looks the map up.
+    pub fn is_empty(&self) -> bool {
+        self.empty
     }
-    points.retain(|v| v.is_finite() && v.truncate().dot(p4) > 0.0);
-    // A point light's axes are orthonormal, so w / |p4| is in metres along the view axis.
-    let range = |v: &DVec4| if space.directional { v.w } else { v.truncate().dot(p4) / p4.length() };
-    let range_m =
-        points.iter().map(range).fold([f64::INFINITY, f64::NEG_INFINITY], |[lo, hi], d| [lo.min(d), hi.max(d)]);
-    Kept { points, range_m, casters }
+
+    pub(super) fn w(&self, v: DVec4) -> f64 {
+        v.truncate().dot(self.p4)
+    }
+
+    fn vector(&self, p: DVec3) -> DVec4 {
+        self.space.q(p).extend(if self.space.directional { self.space.along(p) } else { 1.0 })
+    }
+
+    /// A row on (X, 1) from one on v.
+    fn scene_row(&self, row: DVec4) -> DVec4 {
+        let e_row = if self.space.directional { self.space.along_row() } else { DVec4::W };
+        self.space.row_from_q(row.truncate()) + e_row * row.w
+    }
+
+    /// The kept point with the largest α·v/β·v, β·v > 0, if that is above `least`; `slack` is a gain that does not matter.
+    pub(super) fn largest(&self, alpha: DVec4, beta: DVec4, least: f64, slack: f64) -> Option<(f64, DVec4)> {
+        let mut best: Option<(f64, DVec4)> = None;
+        let mut bar = least;
+        let (top, bottom) = (self.scene_row(alpha), self.scene_row(beta));
+        let mut row = if bar.is_finite() { top - bottom * (bar + slack) } else { DVec4::ZERO };
+        let mut polygon = Polygon::default();
+        let geometry = self.tracer.geometry();
+        self.tracer.walk(|part| match part {
+            Part::Box(corners) => {
+                !(bar.is_finite() && most(row, corners) <= 0.0)
+                    && !self.scene_planes.iter().any(|plane| most(*plane, corners) < 0.0)
+            }
+            Part::Triangle(index) => {
+                polygon.clip(geometry.triangle_f64(index).map(|p| self.vector(p)), &self.planes);
+                for v in &polygon.corners {
+                    let value = alpha.dot(*v) / beta.dot(*v);
+                    if value > bar && value.is_finite() && self.w(*v) > 0.0 {
+                        bar = value;
+                        best = Some((value, *v));
+                        row = top - bottom * (bar + slack);
+                    }
+                }
+                true
+            }
+        });
+        best
+    }
 }
 
-/// Clips a triangle against half-spaces; pushes what is left. True when something is.
-fn clip_into(corners: [DVec4; 3], planes: &[DVec4], out: &mut Vec<DVec4>) -> bool {
-    let mut inside = true;
-    for plane in planes {
-        let d = corners.map(|c| plane.dot(c));
-        if d.iter().all(|d| *d < 0.0) {
-            return false;
-        }
-        inside &= d.iter().all(|d| *d >= 0.0);
-    }
-    if inside {
-        out.extend(corners);
-        return true;
-    }
-    let mut polygon = corners.to_vec();
-    let mut clipped = Vec::with_capacity(9);
-    for plane in planes {
-        clipped.clear();
-        for i in 0..polygon.len() {
-            let (a, b) = (polygon[i], polygon[(i + 1) % polygon.len()]);
-            let (da, db) = (plane.dot(a), plane.dot(b));
-            if da >= 0.0 {
-                clipped.push(a);
+/// Scratch of clipping.
+#[derive(Default)]
+struct Polygon {
+    corners: Vec<DVec4>,
+    clipped: Vec<DVec4>,
+}
+
+impl Polygon {
+    /// The part of a triangle inside half-spaces.
+    fn clip(&mut self, triangle: [DVec4; 3], planes: &[DVec4]) {
+        self.corners.clear();
+        self.corners.extend(triangle);
+        for plane in planes {
+            let distances = |c: &DVec4| plane.dot(*c) >= 0.0;
+            if self.corners.iter().all(distances) {
+                continue;
             }
-            if (da >= 0.0) != (db >= 0.0) {
-                clipped.push(a + (b - a) * (da / (da - db)));
+            self.clipped.clear();
+            for i in 0..self.corners.len() {
+                let (a, b) = (self.corners[i], self.corners[(i + 1) % self.corners.len()]);
+                let (da, db) = (plane.dot(a), plane.dot(b));
+                if da >= 0.0 {
+                    self.clipped.push(a);
+                }
+                if (da >= 0.0) != (db >= 0.0) {
+                    self.clipped.push(a + (b - a) * (da / (da - db)));
+                }
             }
-        }
-        std::mem::swap(&mut polygon, &mut clipped);
-        if polygon.is_empty() {
-            return false;
+            std::mem::swap(&mut self.corners, &mut self.clipped);
         }
     }
-    out.extend(polygon);
-    true
 }

@@ -14,7 +14,9 @@
 mod bias;
 mod kept;
 mod row;
+mod visible;
 
 pub use bias::{BiasUnits, CONSTANT_F32, bias_units};
-pub use kept::{Kept, kept_points};
+pub use kept::Kept;
 pub use row::{DepthError, DepthRow, fit_row};
+pub use visible::Visible;

@@ -1,4 +1,5 @@
-//! The projective part: a global polar grid over the legal (a, b), then simplices from its best points (math note §4).
+//! The projective part: a global polar grid over the legal (a, b), ranked by a lower bound of the objective, then
+//! simplices from its best points (math note §4).
 //!
 //! The objective is piecewise smooth with kinks where the best pair of flush edges changes, and grows without bound
 //! towards the border of the polygon, so a simplex (Nelder and Mead 1965) serves and needs no barrier.
@@ -17,6 +18,13 @@ const SEARCH_VERTICES: usize = 24;
 const BORDER: f64 = 1.0 / 4096.0;
 /// Most evaluations of one simplex: a bound against endless crawling, reached by no case measured.
 const SIMPLEX_EVALUATIONS: u32 = 200;
+
+/// The polar grid: directions, and parts of the way to the border.
+const GRID_DIRECTIONS: u32 = 16;
+const GRID_FRACTIONS: [f64; 6] = [0.2, 0.45, 0.65, 0.8, 0.9, 0.96];
+/// Points of the grid, those of least bound, whose affine part is found.
+const LOCAL_LOOKS: usize = 8;
+const GLOBAL_LOOKS: usize = 24;
 
 /// What is minimised, and over what.
 #[derive(Clone, Copy, Debug)]
@@ -88,6 +96,11 @@ impl FitProblem<'_> {
         [self.normalisation.row(e1), self.normalisation.row(e2), p4]
     }
 
+    /// A lower bound of the objective at (a, b); infinite where that is not legal.
+    fn least(&self, hull: &[DVec2], ab: DVec2) -> f64 {
+        AffineProblem::new(self.moments, hull, &self.rows(ab)).map_or(f64::INFINITY, |p| p.least())
+    }
+
     fn affine(&self, hull: &[DVec2], ab: DVec2) -> Option<AffineFit> {
         AffineProblem::new(self.moments, hull, &self.rows(ab))?.flush(self.aspect, self.shape)
     }
@@ -107,15 +120,18 @@ pub fn minimise(problem: &FitProblem, effort: Effort, tolerance: f64, starts: &[
     }
     let polar = PolarPolygon::new(&few);
     let mut seeds: Vec<(f64, DVec2)> = starts.iter().map(|ab| (value_at(*ab), *ab)).collect();
-    let (directions, fractions, simplices): (u32, &[f64], usize) = match effort {
-        Effort::Local => (8, &[0.4, 0.75], 1),
-        Effort::Global | Effort::Exhaustive => (16, &[0.2, 0.45, 0.65, 0.8, 0.9, 0.96], 3),
+    let (looks, simplices) = match effort {
+        Effort::Local => (LOCAL_LOOKS, 1),
+        Effort::Global | Effort::Exhaustive => (GLOBAL_LOOKS, 3),
     };
     if starts.is_empty() || effort != Effort::Local {
-        seeds.push((value_at(DVec2::ZERO), DVec2::ZERO));
-        for ab in polar_grid(&polar, directions, fractions) {
-            seeds.push((value_at(ab), ab));
-        }
+        // The bound costs a tenth of the affine step and ranks nearly as it does.
+        let mut grid: Vec<(f64, DVec2)> = std::iter::once(DVec2::ZERO)
+            .chain(polar_grid(&polar, GRID_DIRECTIONS, &GRID_FRACTIONS))
+            .map(|ab| (problem.least(&few, ab), ab))
+            .collect();
+        grid.sort_by(|a, b| a.0.total_cmp(&b.0));
+        seeds.extend(grid.iter().take(looks).map(|(_, ab)| (value_at(*ab), *ab)));
     }
     seeds.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.x.total_cmp(&b.1.x)).then(a.1.y.total_cmp(&b.1.y)));
     let mut chosen: Vec<DVec2> = Vec::new();

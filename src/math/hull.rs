@@ -6,7 +6,7 @@ use robust::{Coord, orient2d};
 /// Convex hull, counter-clockwise, without collinear or repeated points. Non-finite points are ignored. Fewer than three
 /// vertices when the points are empty, single or collinear.
 pub fn convex_hull(points: &[DVec2]) -> Vec<DVec2> {
-    let mut sorted: Vec<DVec2> = points.iter().copied().filter(|p| p.is_finite()).collect();
+    let mut sorted = outer(points);
     sorted.sort_unstable_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
     sorted.dedup();
     if sorted.len() < 3 {
@@ -26,6 +26,41 @@ pub fn convex_hull(points: &[DVec2]) -> Vec<DVec2> {
     half(&mut hull, &mut sorted.iter().rev().skip(1).copied(), lower);
     hull.pop();
     hull
+}
+
+/// Points below which a hull is found as fast without leaving any out.
+const FEW: usize = 64;
+
+/// Finite points without most of those inside the polygon of the extremes in eight directions (Akl and Toussaint 1978). A
+/// point goes only when it lies inside by more than rounding.
+fn outer(points: &[DVec2]) -> Vec<DVec2> {
+    let finite = || points.iter().copied().filter(|p| p.is_finite());
+    if points.len() < FEW {
+        return finite().collect();
+    }
+    let axes = [(1.0, 0.0), (1.0, 1.0), (0.0, 1.0), (-1.0, 1.0)].map(|(x, y)| DVec2::new(x, y));
+    let mut extremes = [[DVec2::ZERO; 4]; 2];
+    let (mut low, mut high) = ([f64::INFINITY; 4], [f64::NEG_INFINITY; 4]);
+    for p in finite() {
+        for (k, axis) in axes.iter().enumerate() {
+            let along = axis.dot(p);
+            if along < low[k] {
+                (low[k], extremes[1][k]) = (along, p);
+            }
+            if along > high[k] {
+                (high[k], extremes[0][k]) = (along, p);
+            }
+        }
+    }
+    let corners = extremes.concat();
+    let size =
+        (high[0] - low[0]).max(high[2] - low[2]) + high[0].abs().max(low[0].abs()) + high[2].abs().max(low[2].abs());
+    // An orientation of coordinates up to `size` errs by less than this.
+    let rounding = 16.0 * f64::EPSILON * size * size;
+    let edges: [(DVec2, DVec2); 8] = std::array::from_fn(|k| (corners[k], corners[(k + 1) % 8] - corners[k]));
+    let sides = edges.iter().filter(|(_, edge)| *edge != DVec2::ZERO);
+    let inside = |p: &DVec2| sides.clone().all(|(corner, edge)| edge.perp_dot(*p - *corner) > rounding);
+    finite().filter(|p| !inside(p)).collect()
 }
 
 fn turns_left(a: DVec2, b: DVec2, c: DVec2) -> bool {
@@ -59,6 +94,26 @@ mod tests {
         points.extend([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0), (1.0, 1.0)].map(|(x, y)| DVec2::new(x, y)));
         let hull = convex_hull(&points);
         assert_eq!(hull, [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)].map(|(x, y)| DVec2::new(x, y)));
+    }
+
+    #[test]
+    fn leaving_inner_points_out_changes_nothing() {
+        let at = |i: u32, k: u32| f64::from(i.wrapping_mul(2_654_435_761).wrapping_mul(k) >> 8) / f64::from(1 << 24);
+        for centre in [0.0, 1e7] {
+            let cloud: Vec<DVec2> = (1..3000).map(|i| DVec2::new(at(i, 3) + centre, at(i, 5) * at(i, 7))).collect();
+            let round: Vec<DVec2> = cloud.iter().map(|p| DVec2::from_angle(p.y * 9.0) * 3.0 + centre).collect();
+            let grid: Vec<DVec2> =
+                (0..900).map(|i| DVec2::new(f64::from(i % 30), f64::from(i / 30)) + centre).collect();
+            for points in [cloud, round, grid, vec![DVec2::ONE; 100]] {
+                let hull = convex_hull(&points);
+                assert!(outer(&points).len() <= points.len());
+                // The hull of the hull and any few points is the hull.
+                for few in points.chunks(40) {
+                    let with: Vec<DVec2> = hull.iter().chain(few).copied().collect();
+                    assert_eq!(convex_hull(&with), hull);
+                }
+            }
+        }
     }
 
     #[test]

@@ -53,7 +53,8 @@ impl LightSpace {
                 Ok(LightSpace { axes: frame_around(direction), center, offset: DVec3::Z, directional: true })
             }
             LightKind::Point { position, .. } | LightKind::Spot { position, .. } => {
-                let (axis, half_angle) = smallest_cone(points.iter().map(|p| (*p - position).normalize_or_zero()));
+                let directions: Vec<DVec3> = points.iter().map(|p| (*p - position).normalize_or_zero()).collect();
+                let (axis, half_angle) = smallest_cone(&directions);
                 if axis == DVec3::ZERO || half_angle > CONE_MAX_RAD {
                     return Err(LightSpaceError::NoHalfSpace);
                 }
@@ -135,26 +136,27 @@ fn frame_around(axis: DVec3) -> [DVec3; 3] {
 
 /// Axis and half angle of a nearly smallest cone around unit directions: Bădoiu and Clarkson's core-set iteration on
 /// the sphere. Zero directions (a point on the light) are ignored; axis zero when nothing is left.
-fn smallest_cone(directions: impl Iterator<Item = DVec3> + Clone) -> (DVec3, f64) {
+fn smallest_cone(directions: &[DVec3]) -> (DVec3, f64) {
     const STEPS: u32 = 64; // the radius errs by about 1/steps of itself; the cone only steers numerics
-    let mut axis = directions.clone().fold(DVec3::ZERO, |s, d| s + d).normalize_or_zero();
+    let mut axis = directions.iter().fold(DVec3::ZERO, |s, d| s + *d).normalize_or_zero();
     if axis == DVec3::ZERO {
-        axis = directions.clone().find(|d| *d != DVec3::ZERO).unwrap_or(DVec3::ZERO);
+        axis = directions.iter().copied().find(|d| *d != DVec3::ZERO).unwrap_or(DVec3::ZERO);
     }
     let farthest = |axis: DVec3| {
-        directions
-            .clone()
-            .filter(|d| *d != DVec3::ZERO)
-            .fold((axis, 1.0_f64), |far, d| if d.dot(axis) < far.1 { (d, d.dot(axis)) } else { far })
+        directions.iter().fold((axis, 1.0_f64), |far, d| {
+            let cosine = d.dot(axis);
+            if cosine < far.1 && *d != DVec3::ZERO { (*d, cosine) } else { far }
+        })
     };
-    let mut best = (axis, farthest(axis).1);
+    let (mut far, cosine) = farthest(axis);
+    let mut best = (axis, cosine);
     for k in 1..=STEPS {
-        let (far, _) = farthest(axis);
         axis = (axis + (far - axis) / f64::from(k + 1)).normalize_or_zero();
         if axis == DVec3::ZERO {
             break;
         }
-        let cosine = farthest(axis).1;
+        let cosine;
+        (far, cosine) = farthest(axis);
         if cosine > best.1 {
             best = (axis, cosine);
         }

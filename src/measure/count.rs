@@ -5,12 +5,15 @@
 //! to f32, is greater than the stored depth.
 
 use super::Receivers;
+use super::batch::look_up_all;
 use crate::math::Domain;
 use crate::raster::DepthMap;
 use glam::{DMat4, DVec3};
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::ops::Range;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// What the renderer answers where no map is looked up.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
@@ -84,34 +87,74 @@ pub fn look_up(maps: &[Drawn], point: DVec3) -> Looked {
 
 /// Looks every receiver up.
 pub fn count(receivers: &Receivers, maps: &[Drawn], outside: Outside) -> Counts {
-    let ranges = 0..receivers.len();
-    ranges
-        .into_par_iter()
-        .with_min_len(4096)
-        .fold(Counts::default, |mut counts, i| {
-            let looked = look_up(maps, receivers.positions[i]);
+    by_chunk(receivers, |range| {
+        let mut counts = Counts::default();
+        answers(receivers, maps, range, |i, looked| {
             let expected = receivers.shadowed[i];
             let answer = answer_of(looked, outside);
             counts.false_lit += u64::from(expected && !answer);
             counts.false_shadow += u64::from(!expected && answer);
             counts.uncovered += u64::from(looked == Looked::Outside && expected != answer);
-            counts
-        })
-        .reduce(Counts::default, |a, b| Counts {
-            false_lit: a.false_lit + b.false_lit,
-            false_shadow: a.false_shadow + b.false_shadow,
-            uncovered: a.uncovered + b.uncovered,
-        })
+        });
+        counts
+    })
+    .into_iter()
+    .fold(Counts::default(), |a, b| Counts {
+        false_lit: a.false_lit + b.false_lit,
+        false_shadow: a.false_shadow + b.false_shadow,
+        uncovered: a.uncovered + b.uncovered,
+    })
 }
 
 /// Indices of the receivers that are answered wrongly, ascending.
 pub fn wrong(receivers: &Receivers, maps: &[Drawn], outside: Outside) -> Vec<u32> {
-    (0..receivers.len())
-        .into_par_iter()
-        .with_min_len(4096)
-        .filter(|i| answer_of(look_up(maps, receivers.positions[*i]), outside) != receivers.shadowed[*i])
-        .map(|i| i as u32)
-        .collect()
+    by_chunk(receivers, |range| {
+        let mut wrong = Vec::new();
+        answers(receivers, maps, range, |i, looked| {
+            if answer_of(looked, outside) != receivers.shadowed[i] {
+                wrong.push(i as u32);
+            }
+        });
+        wrong
+    })
+    .concat()
+}
+
+/// The number of receivers that are answered wrongly, if that is less than `limit`; counting ends where it is not.
+pub fn fewer_wrong(receivers: &Receivers, maps: &[Drawn], outside: Outside, limit: u64) -> Option<u64> {
+    let found = AtomicU64::new(0);
+    by_chunk(receivers, |range| {
+        if found.load(Ordering::Relaxed) < limit {
+            let mut wrong = 0;
+            answers(receivers, maps, range, |i, looked| {
+                wrong += u64::from(answer_of(looked, outside) != receivers.shadowed[i]);
+            });
+            found.fetch_add(wrong, Ordering::Relaxed);
+        }
+    });
+    // Chunks were left out only when those before them held `limit` already.
+    Some(found.into_inner()).filter(|wrong| *wrong < limit)
+}
+
+/// Receivers that one thread takes at a time.
+const CHUNK: usize = 4096;
+
+/// A value for each chunk of receivers, in order.
+fn by_chunk<T: Send>(receivers: &Receivers, value: impl Fn(Range<usize>) -> T + Sync) -> Vec<T> {
+    let chunks = 0..receivers.len().div_ceil(CHUNK);
+    chunks.into_par_iter().map(|k| value(k * CHUNK..receivers.len().min((k + 1) * CHUNK))).collect()
+}
+
+/// Looks a range of receivers up, in order.
+fn answers(receivers: &Receivers, maps: &[Drawn], range: Range<usize>, mut answered: impl FnMut(usize, Looked)) {
+    if let [map @ Drawn { domain: Domain::All, .. }] = maps {
+        let first = range.start;
+        look_up_all(map, &receivers.positions[range], |i, shadowed| {
+            answered(first + i, shadowed.map_or(Looked::Outside, |shadowed| Looked::Answered { shadowed }));
+        });
+    } else {
+        range.for_each(|i| answered(i, look_up(maps, receivers.positions[i])));
+    }
 }
 
 /// Whether a looked-up point is taken for shadowed.

@@ -1,6 +1,7 @@
 //! (scene view, light, maps) → wrong pixels against exact visibility. Takes maps, not a plan; shares no metric, sample or
 //! fit with what it judges.
 
+mod batch;
 mod certainty;
 mod count;
 mod edge_distance;
@@ -8,7 +9,7 @@ mod footprint;
 mod receivers;
 
 pub use certainty::{Certainty, EDGE_ON_DEGREES, UNCERTAIN_SLACK, Verdict};
-pub use count::{Counts, Drawn, Looked, Outside, count, look_up, wrong};
+pub use count::{Counts, Drawn, Looked, Outside, count, fewer_wrong, look_up, wrong};
 pub use edge_distance::edge_distance;
 pub use footprint::footprint;
 pub use receivers::Receivers;

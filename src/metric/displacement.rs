@@ -49,7 +49,8 @@ impl TexelRows {
     pub fn displacement(&self, samples: &EdgeSamples, i: usize) -> Displacement {
         let scale = (self.p4.dot(samples.q[i]) * samples.inverse_volume[i]).abs();
         let [a, b] = self.cofactors.map(|q| q.dot(samples.edge_vector[i]).abs() * scale);
-        if a > b { Displacement { r_max: a, r_min: b } } else { Displacement { r_max: b, r_min: a } }
+        // Two selections: which is larger changes from sample to sample, and a branch would be guessed wrong.
+        Displacement { r_max: if a > b { a } else { b }, r_min: if a > b { b } else { a } }
     }
 }
 

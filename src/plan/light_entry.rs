@@ -2,6 +2,7 @@
 
 use super::map_entry::{Seen, map_entry};
 use super::{LightError, LightPlan, Measured, PlanError, Predicted, SolverReport, Status, Tried};
+use crate::depth::Visible;
 use crate::job::Job;
 use crate::math::Bounds;
 use crate::measure::{EDGE_ON_DEGREES, Outside, Receivers};
@@ -107,7 +108,8 @@ fn settle(
         }
         _ => {
             let receivers: Vec<_> = seen.iter().map(|s| s.position).collect();
-            let map = |r: &crate::methods::Region| JudgedMap::new(r.clone(), stage.tracer.geometry(), &receivers);
+            let visible = Visible::new(&receivers);
+            let map = |r: &crate::methods::Region| JudgedMap::new(r.clone(), stage.tracer, &visible);
             match fitted.regions.iter().map(map).collect::<Result<Vec<_>, _>>() {
                 Ok(maps) => (maps, predict_only(&question, &fitted)),
                 Err(reason) => {

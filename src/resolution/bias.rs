@@ -29,20 +29,21 @@ pub fn default_bias(params: &BiasParams) -> Bias {
 /// loses that side's shadow. Flat maps over a wide depth range want none.
 const CLAMPS: [f64; 3] = [1e-2, 1e-3, 1e-4];
 
-/// The bias with fewest wrong pixels at the predicted size; ties go to the earlier one.
+/// The bias with fewest wrong pixels at the predicted size, ties go to the earlier one; and these pixels, if it was
+/// measured.
 pub(super) fn measured(
     question: &FilmQuestion,
     fitted: &FittedLight,
     judge: &mut Judge,
     grid: &SizeGrid,
-) -> Result<Bias, RasterError> {
+) -> Result<(Bias, Option<Vec<u32>>), RasterError> {
     let params = &question.map.bias;
     let sizes = grid.sizes(grid.at_least(fitted.texels)).to_vec();
-    let mut best: Option<(usize, Bias)> = None;
-    let mut consider = |bias: Bias, best: &mut Option<(usize, Bias)>| {
+    let mut best: Option<(Vec<u32>, Bias)> = None;
+    let mut consider = |bias: Bias, best: &mut Option<(Vec<u32>, Bias)>| {
         let drawn = judge.draw(&sizes, bias)?;
-        let wrong = judge.wrong(&drawn).len();
-        if best.is_none_or(|b| wrong < b.0) {
+        let wrong = judge.wrong(&drawn);
+        if best.as_ref().is_none_or(|b| wrong.len() < b.0.len()) {
             *best = Some((wrong, bias));
         }
         Ok::<(), RasterError>(())
@@ -53,7 +54,7 @@ pub(super) fn measured(
         }
     }
     if params.clamp.is_none() {
-        let chosen = best.map_or_else(|| default_bias(params), |b| b.1);
+        let chosen = best.as_ref().map_or_else(|| default_bias(params), |b| b.1);
         if best.is_none() {
             consider(chosen, &mut best)?;
         }
@@ -61,5 +62,5 @@ pub(super) fn measured(
             consider(Bias { clamp, ..chosen }, &mut best)?;
         }
     }
-    Ok(best.map_or_else(|| default_bias(params), |b| b.1))
+    Ok(best.map_or_else(|| (default_bias(params), None), |(wrong, bias)| (bias, Some(wrong))))
 }

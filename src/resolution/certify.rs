@@ -45,14 +45,22 @@ pub struct Certified {
 /// Chooses by measurement.
 pub fn certify(question: &FilmQuestion, fitted: &FittedLight, judge: &mut Judge) -> Result<Certified, RasterError> {
     let grid = grid_of(question, fitted);
-    let bias = measured(question, fitted, judge, &grid)?;
+    let (bias, mut at_guess) = measured(question, fitted, judge, &grid)?;
+    let guess = grid.at_least(fitted.texels);
     let pixels = question.film.pixels() as f64;
     let epsilon = question.quality.epsilon();
-    let mut tried: Vec<(usize, Trial)> = Vec::new();
-    let found = smallest(grid.len(), grid.at_least(fitted.texels), question.map.step, |index| {
+    let mut tried: Vec<(usize, Trial, Vec<u32>)> = Vec::new();
+    let found = smallest(grid.len(), guess, question.map.step, |index| {
         let sizes = grid.sizes(index).to_vec();
-        let drawn = judge.draw(&sizes, bias)?;
-        let wrong = judge.wrong(&drawn);
+        let known = if index == guess && question.quality.bound != Bound::Footprint { at_guess.take() } else { None };
+        let (drawn, wrong) = match known {
+            Some(wrong) => (Vec::new(), wrong),
+            None => {
+                let drawn = judge.draw(&sizes, bias)?;
+                let wrong = judge.wrong(&drawn);
+                (drawn, wrong)
+            }
+        };
         let verdict = judge.verdict(&wrong);
         let (ratio, meets, at_quantile) = match question.quality.bound {
             Bound::Misclassified => {
@@ -66,15 +74,15 @@ pub fn certify(question: &FilmQuestion, fitted: &FittedLight, judge: &mut Judge)
                 (value / epsilon, value <= epsilon, Some(value))
             }
         };
-        tried.push((index, Trial { sizes, verdict, at_quantile, meets }));
+        tried.push((index, Trial { sizes, verdict, at_quantile, meets }, wrong));
         Ok::<_, RasterError>(Probe { meets, ratio })
     })?;
     let index = found.unwrap_or(grid.len() - 1);
-    let chosen = tried.iter().find(|(i, _)| *i == index).map(|(_, t)| t.clone());
     let sizes = grid.sizes(index).to_vec();
-    let drawn = judge.draw(&sizes, bias)?;
-    let wrong = judge.wrong(&drawn);
-    let self_shadow = judge.self_shadowed(&sizes, bias, &wrong)?;
+    let (chosen, self_shadow) = match tried.iter().find(|(i, ..)| *i == index) {
+        Some((_, trial, wrong)) => (Some(trial.clone()), judge.self_shadowed(&sizes, bias, wrong)?),
+        None => (None, 0),
+    };
     Ok(Certified {
         met: found.is_some(),
         bias,
@@ -83,7 +91,7 @@ pub fn certify(question: &FilmQuestion, fitted: &FittedLight, judge: &mut Judge)
         sizes,
         chosen,
         self_shadow,
-        tried: tried.into_iter().map(|(_, t)| t).collect(),
+        tried: tried.into_iter().map(|(_, t, _)| t).collect(),
     })
 }
 

@@ -1,13 +1,12 @@
 //! Draws a light's maps at a size and judges every film pixel, certain and uncertain apart.
 
 use super::{Bound, FilmQuestion, FittedLight, QualityParams};
-use crate::depth::{DepthError, DepthRow, fit_row, kept_points};
-use crate::measure::{Certainty, Drawn, Receivers, Verdict, edge_distance, footprint, wrong};
+use crate::depth::{DepthError, DepthRow, Kept, Visible, fit_row};
+use crate::measure::{Certainty, Drawn, Receivers, Verdict, edge_distance, fewer_wrong, footprint, wrong};
 use crate::methods::Region;
 use crate::raster::{Bias, Canvas, RasterError};
-use crate::scene::Geometry;
 use crate::visibility::{RayOffset, Tracer, View};
-use glam::{DMat4, DVec3, DVec4};
+use glam::{DMat4, DVec4};
 
 /// Everything needed to judge one light's maps at any size.
 pub struct Judge<'a> {
@@ -15,6 +14,7 @@ pub struct Judge<'a> {
     view: &'a View,
     question: &'a FilmQuestion<'a>,
     receivers: &'a Receivers,
+    visible: Visible<'a>,
     /// Matrices and depth ranges, in the order of the regions.
     pub maps: Vec<JudgedMap>,
     /// Scratch of drawing.
@@ -38,12 +38,13 @@ pub struct JudgedMap {
 }
 
 impl JudgedMap {
-    /// The matrix of a region with the depth row that holds `receivers` and their casters.
-    pub fn new(region: Region, geometry: Geometry, receivers: &[DVec3]) -> Result<JudgedMap, DepthError> {
-        let inside: Vec<DVec3> =
-            receivers.iter().copied().filter(|p| region.domain.holds(*p) && region.contains(*p)).collect();
-        let kept = kept_points(geometry, &region.space, &region.h, &inside);
-        let depth = fit_row(&region.space, &region.h, &kept, region.is_camera())?;
+    /// The matrix of a region with the depth row that holds what is visible and its casters.
+    ///
+    /// # Errors
+    /// [`DepthError`]: nothing visible looks the map up, or it has no finite depth row.
+    pub fn new(region: Region, tracer: &Tracer, visible: &Visible) -> Result<JudgedMap, DepthError> {
+        let kept = Kept::new(tracer, &region.space, &region.h, visible, &region.domain);
+        let depth = fit_row(&kept, region.is_camera())?;
         Ok(JudgedMap { clip_from_scene: clip_from_scene(&region, depth.row), region, depth })
     }
 }
@@ -70,7 +71,8 @@ impl<'a> Judge<'a> {
         receivers: &'a Receivers,
         offset: RayOffset,
     ) -> Result<Judge<'a>, DepthError> {
-        let new = |region: &Region| JudgedMap::new(region.clone(), tracer.geometry(), &receivers.positions);
+        let visible = Visible::new(&receivers.positions);
+        let new = |region: &Region| JudgedMap::new(region.clone(), tracer, &visible);
         let maps = fitted.regions.iter().map(new).collect::<Result<_, _>>()?;
         let certainty = Certainty::new(tracer, view, question.camera, question.light, receivers, offset);
         Ok(Judge {
@@ -78,6 +80,7 @@ impl<'a> Judge<'a> {
             view,
             question,
             receivers,
+            visible,
             maps,
             canvas: Canvas::default(),
             certainty,
@@ -88,7 +91,7 @@ impl<'a> Judge<'a> {
 
     /// The matrix of a region over the same receivers.
     pub fn judged(&self, region: &Region) -> Result<JudgedMap, DepthError> {
-        JudgedMap::new(region.clone(), self.tracer.geometry(), &self.receivers.positions)
+        JudgedMap::new(region.clone(), self.tracer, &self.visible)
     }
 
     /// Draws all maps at sizes with a bias.
@@ -111,6 +114,11 @@ impl<'a> Judge<'a> {
     /// Receivers answered wrongly by drawn maps.
     pub fn wrong(&self, drawn: &[Drawn]) -> Vec<u32> {
         wrong(self.receivers, drawn, self.question.map.outside)
+    }
+
+    /// How many receivers drawn maps answer wrongly, if fewer than `limit`.
+    pub fn fewer_wrong(&self, drawn: &[Drawn], limit: u64) -> Option<u64> {
+        fewer_wrong(self.receivers, drawn, self.question.map.outside, limit)
     }
 
     /// The measured value of a bound at a quantile, pixels: edge distance, or texel footprint.

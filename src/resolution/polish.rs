@@ -39,16 +39,14 @@ pub fn polish(
         <[Region; 1]>::try_from(regions).ok().map(|[region]| region)
     };
     let mut measured = 0;
-    let mut best = match measure(question, judge, &fitted.regions[0], texels)? {
+    let mut best = match measure(question, judge, &fitted.regions[0], texels, u64::MAX)? {
         Some(first) => first,
         None => return Ok(0),
     };
     let mut better = |judge: &mut Judge, candidates: Vec<Region>, best: &mut (u64, JudgedMap)| {
         for region in candidates {
             measured += 1;
-            if let Some(candidate) = measure(question, judge, &region, texels)?
-                && candidate.0 < best.0
-            {
+            if let Some(candidate) = measure(question, judge, &region, texels, best.0)? {
                 *best = candidate;
             }
         }
@@ -76,12 +74,13 @@ pub fn polish(
     Ok(measured)
 }
 
-/// Wrong pixels of a region at a number of texels; `None` when it has no depth row.
+/// Wrong pixels of a region at a number of texels, if fewer than `limit`; `None` also when it has no depth row.
 fn measure(
     question: &FilmQuestion,
     judge: &mut Judge,
     region: &Region,
     texels: f64,
+    limit: u64,
 ) -> Result<Option<(u64, JudgedMap)>, RasterError> {
     let Ok(map) = judge.judged(region) else { return Ok(None) };
     let grid = SizeGrid::new(&[(region.aspect, 1.0)], question.map);
@@ -89,6 +88,6 @@ fn measure(
     let before = std::mem::replace(&mut judge.maps, vec![map]);
     let drawn = judge.draw(&sizes, default_bias(&question.map.bias));
     let mut maps = std::mem::replace(&mut judge.maps, before);
-    let wrong = judge.wrong(&drawn?).len() as u64;
-    Ok(maps.pop().map(|map| (wrong, map)))
+    let wrong = judge.fewer_wrong(&drawn?, limit);
+    Ok(wrong.zip(maps.pop()))
 }

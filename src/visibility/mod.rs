@@ -7,6 +7,7 @@
 mod bvh;
 mod kernel;
 mod lanes;
+mod parts;
 mod ray;
 mod shadow;
 mod simd;
@@ -17,6 +18,7 @@ mod walk;
 mod wide;
 
 pub use bvh::Bvh;
+pub use parts::Part;
 pub use shadow::{Answer, RayOffset, UNCERTAIN_MULTIPLE, answer};
 pub use surface::{Surface, surface_at};
 pub use trace::{Hit, Tracer};

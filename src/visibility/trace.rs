@@ -37,6 +37,11 @@ impl<'a> Tracer<'a> {
         self.geometry
     }
 
+    /// The trees of the still and of the moving triangles.
+    pub(super) fn trees(&self) -> (&'a Bvh, Option<&'a Bvh>) {
+        (self.still, self.moving)
+    }
+
     /// Lower and upper corner of all triangles, scene space, metres; `None` when there is none.
     pub fn bounds(&self) -> Option<[DVec3; 2]> {
         let [a, b] = [self.still.bounds(), self.moving.and_then(Bvh::bounds)];
