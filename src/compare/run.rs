@@ -8,9 +8,10 @@ use crate::job::{Job, LoadedJob};
 use crate::math::Bounds;
 use crate::measure::{Outside, Receivers};
 use crate::plan::{PlanError, Stage, Watch, load_shot};
-use crate::samples::{Grid, GridView, sample_light};
+use crate::samples::{Grid, GridView, LightView, sample_light};
 use crate::scene::{Camera, Film, Geometry, Light};
-use crate::visibility::{Bvh, RayOffset, Tracer, View, see};
+use crate::visibility::{Bvh, RayOffset, Tracer, View, classify, see};
+use std::borrow::Cow;
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
@@ -20,7 +21,7 @@ struct FrameStage<'a> {
     tracer: &'a Tracer<'a>,
     camera: &'a Camera,
     film: Film,
-    grid: &'a GridView,
+    grid: &'a GridView<'a>,
     view: &'a View,
     bounds: Bounds,
     offset: RayOffset,
@@ -49,12 +50,13 @@ pub fn compare(loaded: &LoadedJob, params: &CompareParams, watch: &Watch) -> Res
         let geometry = Geometry { still: &shot.scene.still, moving: &frame.moving };
         let moving = (!frame.moving.is_empty()).then(|| Bvh::build(&frame.moving));
         let tracer = Tracer::new(geometry, &still, moving.as_ref());
+        let view = see(&tracer, &frame.camera, shot.film);
         let stage = FrameStage {
             tracer: &tracer,
             camera: &frame.camera,
             film: shot.film,
-            grid: &GridView::see(&tracer, &frame.camera, Grid::new(shot.film, job.sampling.grid)),
-            view: &see(&tracer, &frame.camera, shot.film),
+            grid: &GridView::see(&tracer, &frame.camera, Grid::new(shot.film, job.sampling.grid), Some(&view)),
+            view: &view,
             bounds: still_bounds.union(Bounds::of(frame.moving.iter().flatten().map(|v| v.as_dvec3()))),
             offset: RayOffset::for_scene(&tracer),
             frame: time.frame,
@@ -82,7 +84,8 @@ fn light(
 ) -> Result<(CaseLight, Vec<PerLight>), PlanError> {
     let start = Instant::now();
     let outside_lit = job.map.outside == Outside::Lit;
-    let receivers = Receivers::classify(stage.tracer, stage.view, stage.camera, light, stage.offset);
+    let classified = classify(stage.tracer, stage.view, stage.camera, light, stage.offset);
+    let receivers = Receivers::new(stage.view, stage.camera, &classified);
     let wanted = receivers.positions_where(outside_lit);
     let mut case = CaseLight {
         frame: stage.frame,
@@ -108,9 +111,14 @@ fn light(
         let rows = params.methods.iter().map(row).collect();
         return Ok((case, rows));
     }
-    let refine = job.sampling.refine;
-    let mut samples = sample_light(stage.tracer, stage.camera, stage.grid, light, stage.offset, refine, !outside_lit);
-    samples.covered.extend(wanted);
+    let (tracer, camera, view, offset) = (stage.tracer, stage.camera, stage.grid, stage.offset);
+    let answers =
+        if view.grid.is_film() { Cow::from(&classified) } else { view.answers(tracer, camera, light, offset).into() };
+    let lit = LightView { tracer, camera, view, light, offset, answers: &answers };
+    let mut samples = sample_light(&lit, job.sampling.refine, !outside_lit);
+    if !view.grid.is_film() {
+        samples.covered.extend(wanted);
+    }
     case.samples = samples.edges.len() as u64;
     case.seconds = start.elapsed().as_secs_f64();
     let given = Case {

@@ -18,7 +18,11 @@ pub struct Receivers {
 impl Receivers {
     /// Classifies a film exactly for one light.
     pub fn classify(tracer: &Tracer, view: &View, camera: &Camera, light: &Light, offset: RayOffset) -> Receivers {
-        let answers = classify(tracer, view, camera, light, offset);
+        Receivers::new(view, camera, &classify(tracer, view, camera, light, offset))
+    }
+
+    /// Of a film with the exact answer of each pixel.
+    pub fn new(view: &View, camera: &Camera, answers: &[Answer]) -> Receivers {
         let mut receivers = Receivers::default();
         for (pixel, answer) in answers.iter().enumerate() {
             if *answer == Answer::Unlit {

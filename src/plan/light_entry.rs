@@ -9,9 +9,9 @@ use crate::measure::{EDGE_ON_DEGREES, Outside, Receivers};
 use crate::resolution::{
     Bound, Certified, FilmQuestion, FittedLight, Judge, JudgedMap, Measure, certify, fit_light, polish, predict_only,
 };
-use crate::samples::{GridView, LightSamples, sample_light};
+use crate::samples::{GridView, LightSamples, LightView, sample_light};
 use crate::scene::{Camera, Film, Light};
-use crate::visibility::{RayOffset, Tracer, View};
+use crate::visibility::{Answer, RayOffset, Tracer, View, classify};
 use std::time::Instant;
 
 /// What a frame gives to each of its lights.
@@ -19,7 +19,7 @@ pub(super) struct FrameStage<'a> {
     pub(super) tracer: &'a Tracer<'a>,
     pub(super) camera: &'a Camera,
     pub(super) film: Film,
-    pub(super) grid: &'a GridView,
+    pub(super) grid: &'a GridView<'a>,
     /// Absent when nothing is measured.
     pub(super) view: Option<&'a View>,
     pub(super) bounds: Bounds,
@@ -36,12 +36,22 @@ pub(super) fn light_entry(stage: &FrameStage, light: &Light, job: &Job, timings:
     let start = Instant::now();
     let mut entry = LightPlan::unplanned(light, job.quality.epsilon());
     let cover_lit = job.map.outside == Outside::Shadowed;
-    let samples =
-        sample_light(stage.tracer, stage.camera, stage.grid, light, stage.offset, job.sampling.refine, cover_lit);
-    let film = stage.view.map(|view| Receivers::classify(stage.tracer, view, stage.camera, light, stage.offset));
+    let (tracer, camera, view, offset) = (stage.tracer, stage.camera, stage.grid, stage.offset);
+    let classified = stage.view.map(|film| classify(tracer, film, camera, light, offset));
+    let film = stage.view.zip(classified.as_ref()).map(|(film, answers)| Receivers::new(film, camera, answers));
+    let (answers, rays) = match classified {
+        Some(answers) if view.grid.is_film() => (answers, 0),
+        _ => {
+            let answers = view.answers(tracer, camera, light, offset);
+            let rays = answers.iter().filter(|a| **a != Answer::Unlit).count() as u64;
+            (answers, rays)
+        }
+    };
+    let lit = LightView { tracer, camera, view, light, offset, answers: &answers };
+    let samples = sample_light(&lit, job.sampling.refine, cover_lit);
     entry.cost.samples = samples.edges.len() as u64;
-    entry.cost.rays = stage.rays_share + samples.rays + film.as_ref().map_or(0, |f| f.len() as u64);
-    settle(stage, light, job, &samples, film.as_ref(), &mut entry)?;
+    entry.cost.rays = stage.rays_share + rays + samples.rays + film.as_ref().map_or(0, |f| f.len() as u64);
+    settle(stage, light, job, &samples, (film.as_ref(), &answers), &mut entry)?;
     if timings {
         entry.cost.milliseconds = Some(start.elapsed().as_secs_f64() * 1e3);
     }
@@ -54,7 +64,7 @@ fn settle(
     light: &Light,
     job: &Job,
     samples: &LightSamples,
-    film: Option<&Receivers>,
+    (film, answers): (Option<&Receivers>, &[Answer]),
     entry: &mut LightPlan,
 ) -> Result<(), PlanError> {
     let (facing, shadowed) = match film {
@@ -89,7 +99,7 @@ fn settle(
             return Ok(());
         }
     };
-    let seen = seen(stage, light, film);
+    let seen = seen(stage, answers, film);
     let (maps, certified) = match (film, stage.view) {
         (Some(film), Some(view)) => {
             let judge = Judge::new(stage.tracer, view, &question, &fitted, film, stage.offset);
@@ -218,7 +228,7 @@ fn light_error(job: &Job, certified: &Certified, stage: &FrameStage, film: Optio
 }
 
 /// Visible points of the light, evenly thinned: of the film where it was classified, else of the grid.
-fn seen(stage: &FrameStage, light: &Light, film: Option<&Receivers>) -> Vec<Seen> {
+fn seen(stage: &FrameStage, answers: &[Answer], film: Option<&Receivers>) -> Vec<Seen> {
     match (film, stage.view) {
         (Some(film), Some(view)) => {
             let stride = film.len().div_ceil(SEEN_MAX).max(1);
@@ -230,18 +240,12 @@ fn seen(stage: &FrameStage, light: &Light, film: Option<&Receivers>) -> Vec<Seen
                 })
                 .collect()
         }
-        _ => stage
-            .grid
-            .surfaces
-            .iter()
-            .flatten()
-            .filter_map(|s| {
-                let answer = crate::visibility::answer(stage.tracer, s, light, stage.offset);
-                (answer != crate::visibility::Answer::Unlit).then_some(Seen {
-                    position: s.position,
-                    normal: s.normal,
-                    shadowed: answer == crate::visibility::Answer::Shadowed,
-                })
+        _ => (0..answers.len())
+            .filter(|i| answers[*i] != Answer::Unlit)
+            .filter_map(|i| {
+                let surface = stage.grid.surface(stage.tracer, stage.camera, i)?;
+                let shadowed = answers[i] == Answer::Shadowed;
+                Some(Seen { position: surface.position, normal: surface.normal, shadowed })
             })
             .collect(),
     }

@@ -46,9 +46,13 @@ pub fn make(loaded: &LoadedJob, plan_dir: &Path, timings: bool, watch: &Watch) -
         let moving = (!frame.moving.is_empty()).then(|| Bvh::build(&frame.moving));
         let tracer = Tracer::new(geometry, &still, moving.as_ref());
         let bounds = still_bounds.union(Bounds::of(frame.moving.iter().flatten().map(|v| v.as_dvec3())));
-        let grid = GridView::see(&tracer, &frame.camera, Grid::new(shot.film, job.sampling.grid));
         let view = measures(job).then(|| see(&tracer, &frame.camera, shot.film));
-        let primary = grid.grid.len() + if view.is_some() { shot.film.pixels() } else { 0 };
+        let grid = GridView::see(&tracer, &frame.camera, Grid::new(shot.film, job.sampling.grid), view.as_ref());
+        let primary = match &view {
+            Some(_) if grid.grid.is_film() => shot.film.pixels(),
+            Some(_) => grid.grid.len() + shot.film.pixels(),
+            None => grid.grid.len(),
+        };
         let stage = FrameStage {
             tracer: &tracer,
             camera: &frame.camera,

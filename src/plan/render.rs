@@ -13,7 +13,7 @@ use super::remeasure::{Seeing, remeasure};
 use super::{LightPlan, PlanError, Watch, make};
 use crate::job::LoadedJob;
 use crate::picture::write_exr;
-use crate::samples::{Grid, GridView, sample_light};
+use crate::samples::{Grid, GridView, LightView, sample_light};
 use crate::scene::{Geometry, Light, LightParams};
 use crate::visibility::{Bvh, RayOffset, Tracer, see};
 use film::Film;
@@ -53,13 +53,15 @@ pub fn render(
     let view = see(&tracer, &posed.camera, shot.film);
     let offset = RayOffset::for_scene(&tracer);
     let seeing = Seeing { tracer: &tracer, camera: &posed.camera, view: &view, offset };
-    let grid = GridView::see(&tracer, &posed.camera, Grid::new(shot.film, loaded.job.sampling.grid));
+    let grid = GridView::see(&tracer, &posed.camera, Grid::new(shot.film, loaded.job.sampling.grid), Some(&view));
 
     let mut film = Film::new(&seeing);
     for (entry, light) in planned.lights.iter().zip(&posed.lights) {
         watch.check()?;
         let measured = remeasure(&seeing, light, &entry.maps, loaded.job.map.outside)?;
-        let samples = sample_light(&tracer, &posed.camera, &grid, light, offset, loaded.job.sampling.refine, false);
+        let answers = &grid.answers(&tracer, &posed.camera, light, offset);
+        let lit = LightView { tracer: &tracer, camera: &posed.camera, view: &grid, light, offset, answers };
+        let samples = sample_light(&lit, loaded.job.sampling.refine, false);
         let name = file_name(entry, &planned.lights);
         film.add(&seeing, light, &name, &measured, &samples.edges);
         files.png(&format!("{name}.shadow.png"), film.shadow_mask(&measured, &samples.edges))?;

@@ -1,9 +1,10 @@
 //! The planning grid: film positions that include the outermost pixel centres, so that what touches the image border is
 //! seen.
 
-use crate::scene::{Camera, Film};
-use crate::visibility::{Surface, Tracer, surface_at};
+use crate::scene::{Camera, Film, Light};
+use crate::visibility::{Answer, NO_TRIANGLE, RayOffset, Surface, Tracer, View, answer, surface_at};
 use rayon::prelude::*;
+use std::borrow::Cow;
 
 /// Film positions, each the centre of a pixel, evenly spread.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,6 +36,17 @@ impl Grid {
         self.len() == 0
     }
 
+    /// True when the positions are all pixels of the film.
+    pub fn is_film(&self) -> bool {
+        (self.columns, self.rows) == (self.film.width, self.film.height)
+    }
+
+    /// The film position of a grid position counted row by row.
+    pub fn position_of(&self, index: usize) -> [f64; 2] {
+        let columns = self.columns.max(1) as usize;
+        self.position((index % columns) as u32, (index / columns) as u32)
+    }
+
     /// The film position of a grid position: the centre of a pixel; the first and last ones are those of the film.
     pub fn position(&self, column: u32, row: u32) -> [f64; 2] {
         let at = |k: u32, count: u32, pixels: u32| {
@@ -45,28 +57,51 @@ impl Grid {
     }
 }
 
-/// What the positions of a grid see.
+/// What the positions of a grid see, row by row from the top.
 #[derive(Clone, Debug)]
-pub struct GridView {
+pub struct GridView<'a> {
     /// The grid.
     pub grid: Grid,
-    /// Row by row from the top.
-    pub surfaces: Vec<Option<Surface>>,
+    /// Triangle of each position, or [`NO_TRIANGLE`].
+    triangles: Cow<'a, [u32]>,
+    /// Distance along the view axis, metres.
+    depths_m: Cow<'a, [f64]>,
 }
 
-impl GridView {
-    /// One ray for each position.
-    pub fn see(tracer: &Tracer, camera: &Camera, grid: Grid) -> GridView {
-        let surfaces = (0..grid.rows)
+impl<'a> GridView<'a> {
+    /// One ray for each position; none where the grid is the whole film and that has been seen.
+    pub fn see(tracer: &Tracer, camera: &Camera, grid: Grid, film: Option<&'a View>) -> GridView<'a> {
+        if let Some(view) = film.filter(|_| grid.is_film()) {
+            let (triangles, depths_m) = (Cow::from(&view.triangles), Cow::from(&view.depths_m));
+            return GridView { grid, triangles, depths_m };
+        }
+        let (triangles, depths_m): (Vec<u32>, Vec<f64>) = (0..grid.len())
             .into_par_iter()
-            .flat_map_iter(|row| {
-                (0..grid.columns).map(move |column| {
-                    let [x, y] = grid.position(column, row);
-                    surface_at(tracer, camera, grid.film, x, y)
-                })
+            .map(|i| {
+                let [x, y] = grid.position_of(i);
+                surface_at(tracer, camera, grid.film, x, y)
+                    .map_or((NO_TRIANGLE, f64::INFINITY), |s| (s.triangle, s.depth_m))
             })
-            .collect();
-        GridView { grid, surfaces }
+            .unzip();
+        GridView { grid, triangles: triangles.into(), depths_m: depths_m.into() }
+    }
+
+    /// The surface at a position; `None` for the background. `tracer` and `camera` are those it was seen with.
+    pub fn surface(&self, tracer: &Tracer, camera: &Camera, index: usize) -> Option<Surface> {
+        let seen = (self.triangles[index], self.depths_m[index]);
+        (seen.0 != NO_TRIANGLE)
+            .then(|| Surface::new(tracer, camera, self.grid.film, self.grid.position_of(index), seen))
+    }
+
+    /// The triangle at a position, or [`NO_TRIANGLE`].
+    pub(super) fn triangle(&self, index: usize) -> u32 {
+        self.triangles[index]
+    }
+
+    /// What a light does at every position, by one shadow ray from each that faces it.
+    pub fn answers(&self, tracer: &Tracer, camera: &Camera, light: &Light, offset: RayOffset) -> Vec<Answer> {
+        let at = |i| self.surface(tracer, camera, i).map_or(Answer::Unlit, |s| answer(tracer, &s, light, offset));
+        (0..self.grid.len()).into_par_iter().map(at).collect()
     }
 
     /// Index of a position.

@@ -1,6 +1,7 @@
 //! → the shadow edges and the covered points of one light: what metric and fit see of a frame.
 //!
-//! A coarse grid over the film is seen once for all lights ([`GridView`]). For a light, each grid step across which the
+//! A grid over the film is seen once for all lights ([`GridView`]): a coarse one, or the film's own pixels where those are
+//! looked at anyway. For a light, each grid step across which the
 //! shadow answer changes is bisected with exact rays ([`Crossing`]); crossings around a cell are joined to segments, which
 //! carry the edge's place, normal and length on the film ([`edges`]).
 
@@ -10,6 +11,6 @@ mod grid;
 mod params;
 
 pub use crossing::{Crossing, CrossingKind};
-pub use edges::{EdgePoint, LightSamples, sample_light};
+pub use edges::{EdgePoint, LightSamples, LightView, sample_light};
 pub use grid::{Grid, GridView};
 pub use params::SamplingParams;

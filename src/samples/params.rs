@@ -7,7 +7,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct SamplingParams {
-    /// Cells of the planning grid along the image's short side, 8 to 16384; never finer than the film.
+    /// Cells of the planning grid along the image's short side, 8 to 16384; never finer than the film. One as fine as the
+    /// film costs no rays of its own where every pixel is measured anyway.
     pub grid: u32,
     /// Halvings of a grid step across which a shadow bit changes, 0 to 24. The edge is known to grid step / 2^refine.
     pub refine: u32,
@@ -17,6 +18,6 @@ pub struct SamplingParams {
 
 impl Default for SamplingParams {
     fn default() -> Self {
-        Self { grid: 256, refine: 5, cap: 100_000 }
+        Self { grid: 4096, refine: 3, cap: 100_000 }
     }
 }

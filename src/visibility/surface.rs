@@ -23,7 +23,7 @@ pub struct Surface {
 
 impl Surface {
     /// The point where the ray through a film position meets a triangle, at `depth_m` along the view axis.
-    pub(super) fn new(tracer: &Tracer, camera: &Camera, film: Film, [x, y]: [f64; 2], hit: (u32, f64)) -> Surface {
+    pub(crate) fn new(tracer: &Tracer, camera: &Camera, film: Film, [x, y]: [f64; 2], hit: (u32, f64)) -> Surface {
         let (triangle, depth_m) = hit;
         let (origin, direction) = camera.ray(film, x, y);
         let [a, b, c] = tracer.geometry().triangle_f64(triangle);
