@@ -27,7 +27,7 @@ pub(super) fn by_cube_faces(
                 let direction = DVec3::AXES[axis] * if positive { 1.0 } else { -1.0 };
                 let face = Inputs { covered: &covered, edges: &edges, ..*inputs };
                 let mut region = solve(&face, Some(direction))?;
-                region.domain = domain;
+                region.domain = domain.clone();
                 regions.push(region);
             }
             Ok(regions)
