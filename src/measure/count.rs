@@ -66,7 +66,11 @@ pub enum Looked {
 
 /// Looks a scene point up.
 pub fn look_up(maps: &[Drawn], point: DVec3) -> Looked {
-    let Some(drawn) = maps.iter().find(|m| m.domain.holds(point)) else { return Looked::Outside };
+    maps.iter().find(|m| m.domain.holds(point)).map_or(Looked::Outside, |drawn| look_up_in(drawn, point))
+}
+
+/// Looks a scene point up in one map, whatever its domain.
+fn look_up_in(drawn: &Drawn, point: DVec3) -> Looked {
     let clip = drawn.clip_from_scene * point.extend(1.0);
     if clip.w <= 0.0 {
         return Looked::Outside;
@@ -112,6 +116,17 @@ pub fn wrong(receivers: &Receivers, maps: &[Drawn], outside: Outside) -> Vec<u32
         .filter(|i| answer_of(look_up(maps, receivers.positions[*i]), outside) != receivers.shadowed[*i])
         .map(|i| i as u32)
         .collect()
+}
+
+/// Number of some receivers that a map answers wrongly, its domain not asked.
+pub fn count_wrong(receivers: &Receivers, some: &[u32], drawn: &Drawn, outside: Outside) -> u64 {
+    some.par_iter()
+        .with_min_len(4096)
+        .filter(|i| {
+            let looked = look_up_in(drawn, receivers.positions[**i as usize]);
+            answer_of(looked, outside) != receivers.shadowed[**i as usize]
+        })
+        .count() as u64
 }
 
 /// Whether a looked-up point is taken for shadowed.

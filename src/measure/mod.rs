@@ -8,7 +8,7 @@ mod footprint;
 mod receivers;
 
 pub use certainty::{Certainty, EDGE_ON_DEGREES, UNCERTAIN_SLACK, Verdict};
-pub use count::{Counts, Drawn, Looked, Outside, count, look_up, wrong};
+pub use count::{Counts, Drawn, Looked, Outside, count, count_wrong, look_up, wrong};
 pub use edge_distance::edge_distance;
 pub use footprint::footprint;
 pub use receivers::Receivers;

@@ -11,6 +11,7 @@ mod lixel;
 mod normal;
 mod on_plane;
 mod params;
+mod partitioned;
 mod plane;
 mod plane_fit;
 mod plane_optimal;
@@ -54,6 +55,8 @@ pub enum Method {
     PlaneOptimal,
     /// Film areas and map areas as equal as can be, over samples or a model of them.
     HomographyArea,
+    /// `lixel` with up to `solver.maps` maps: the cover split by planes where that lowers the error at equal texels most.
+    Partitioned,
 }
 
 /// What a method gets: one light in one frame.
@@ -147,8 +150,17 @@ impl From<LightSpaceError> for Inapplicable {
 /// The maps of one light in one frame. The first region whose domain holds a point answers; together they hold every
 /// covered point.
 pub fn solve(method: Method, inputs: &Inputs) -> Result<Vec<Region>, Inapplicable> {
-    let regions = split::by_cube_faces(inputs, |region_inputs, axis| match method {
-        Method::Lixel => lixel::solve(region_inputs, axis),
+    let regions = match method {
+        Method::Partitioned => partitioned::solve(inputs)?,
+        _ => split::by_cube_faces(inputs, |region_inputs, axis| single(method, region_inputs, axis))?,
+    };
+    if inputs.covered.iter().all(|p| held(&regions, *p)) { Ok(regions) } else { Err(Inapplicable::CoveredBehindLight) }
+}
+
+/// The one map of a method for a cover that fits a half-space. Methods with several maps give that of their parts.
+fn single(method: Method, region_inputs: &Inputs, axis: Option<DVec3>) -> Result<Region, Inapplicable> {
+    match method {
+        Method::Lixel | Method::Partitioned => lixel::solve(region_inputs, axis),
         Method::SceneOptimal => scene_optimal::solve(region_inputs, axis),
         Method::Normal => normal::solve(region_inputs, axis),
         Method::Focused => focused::solve(region_inputs, axis),
@@ -157,8 +169,7 @@ pub fn solve(method: Method, inputs: &Inputs) -> Result<Vec<Region>, Inapplicabl
         Method::Lispsm => lispsm::solve(region_inputs, axis),
         Method::PlaneOptimal => plane_optimal::solve(region_inputs, axis),
         Method::HomographyArea => homography_area::solve(region_inputs, axis),
-    })?;
-    if inputs.covered.iter().all(|p| held(&regions, *p)) { Ok(regions) } else { Err(Inapplicable::CoveredBehindLight) }
+    }
 }
 
 /// Whether the region that a point looks up holds it.

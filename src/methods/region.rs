@@ -1,9 +1,10 @@
 //! What a method returns.
 
-use super::plane::Plane;
+use super::plane::{Plane, edge_samples};
 use crate::fit::Termination;
 use crate::math::{Domain, LightSpace};
 use crate::metric::{Metric, TexelRows, cost, inverse_jacobian_norm2};
+use crate::samples::EdgePoint;
 use glam::{DMat3, DVec3};
 use std::sync::Arc;
 
@@ -95,6 +96,18 @@ impl Region {
             misclassified: cost(&self.plane.samples, Metric::Saturating, &rows),
             unsaturated: cost(&self.plane.samples, Metric::Displacement, &rows),
         }
+    }
+
+    /// Expected wrong pixels that each of some edges accounts for in a map of `texels` texels.
+    pub(super) fn costs_at(&self, edges: &[EdgePoint], texels: f64) -> Vec<f64> {
+        let rows = self.texel_rows(texels);
+        edges
+            .iter()
+            .map(|edge| {
+                let (samples, _) = edge_samples(&[*edge], 1, &self.space, &self.plane.normalisation);
+                cost(&samples, Metric::Saturating, &rows)
+            })
+            .collect()
     }
 
     /// Largest edge displacement, pixels, of each sample with its edge length, for a map of `texels` texels.

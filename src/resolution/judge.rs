@@ -3,7 +3,7 @@
 use super::{Bound, FilmQuestion, FittedLight, QualityParams};
 use crate::depth::{DepthError, DepthRow, fit_row, kept_points};
 use crate::math::first_holding;
-use crate::measure::{Certainty, Drawn, Receivers, Verdict, edge_distance, footprint, wrong};
+use crate::measure::{Certainty, Drawn, Receivers, Verdict, count_wrong, edge_distance, footprint, wrong};
 use crate::methods::Region;
 use crate::raster::{Bias, Canvas, RasterError};
 use crate::scene::Geometry;
@@ -97,26 +97,43 @@ impl<'a> Judge<'a> {
         })
     }
 
-    /// The matrix of a region over the same receivers.
-    pub fn judged(&self, region: &Region) -> Result<JudgedMap, DepthError> {
-        JudgedMap::new(region.clone(), self.tracer.geometry(), &self.receivers.positions)
+    /// For each map the receivers that look it up, ascending.
+    pub fn own_receivers(&self) -> Vec<Vec<u32>> {
+        let mut own = vec![Vec::new(); self.maps.len()];
+        for (i, point) in self.receivers.positions.iter().enumerate() {
+            if let Some(k) = first_holding(self.maps.iter().map(|m| &m.region.domain), *point) {
+                own[k].push(i as u32);
+            }
+        }
+        own
+    }
+
+    /// The matrix of a region over some of the receivers.
+    pub fn judged(&self, region: &Region, own: &[u32]) -> Result<JudgedMap, DepthError> {
+        let positions: Vec<DVec3> = own.iter().map(|i| self.receivers.positions[*i as usize]).collect();
+        JudgedMap::new(region.clone(), self.tracer.geometry(), &positions)
+    }
+
+    /// Number of some receivers that one map answers wrongly.
+    pub fn wrong_of(&mut self, map: &JudgedMap, size: [u32; 2], bias: Bias, own: &[u32]) -> Result<u64, RasterError> {
+        let drawn = self.drawn(map, size, bias)?;
+        Ok(count_wrong(self.receivers, own, &drawn, self.question.map.outside))
+    }
+
+    fn drawn(&mut self, map: &JudgedMap, [width, height]: [u32; 2], bias: Bias) -> Result<Drawn, RasterError> {
+        let counts = self.canvas.draw(self.tracer.geometry(), &map.clip_from_scene, width, height, bias, |_| true)?;
+        self.texels_drawn += u64::from(width) * u64::from(height);
+        self.triangles_drawn += counts.drawn;
+        let depth = std::mem::take(&mut self.canvas.map);
+        Ok(Drawn { domain: map.region.domain.clone(), clip_from_scene: map.clip_from_scene, map: depth })
     }
 
     /// Draws all maps at sizes with a bias.
     pub fn draw(&mut self, sizes: &[[u32; 2]], bias: Bias) -> Result<Vec<Drawn>, RasterError> {
-        let mut drawn = Vec::with_capacity(self.maps.len());
-        for (map, [width, height]) in self.maps.iter().zip(sizes) {
-            let counts =
-                self.canvas.draw(self.tracer.geometry(), &map.clip_from_scene, *width, *height, bias, |_| true)?;
-            self.texels_drawn += u64::from(*width) * u64::from(*height);
-            self.triangles_drawn += counts.drawn;
-            drawn.push(Drawn {
-                domain: map.region.domain.clone(),
-                clip_from_scene: map.clip_from_scene,
-                map: std::mem::take(&mut self.canvas.map),
-            });
-        }
-        Ok(drawn)
+        let maps = std::mem::take(&mut self.maps);
+        let drawn = maps.iter().zip(sizes).map(|(map, size)| self.drawn(map, *size, bias)).collect();
+        self.maps = maps;
+        drawn
     }
 
     /// Receivers answered wrongly by drawn maps.
