@@ -64,6 +64,7 @@ impl<'a> FilmQuestion<'a> {
             bounds: self.bounds,
             edges: &samples.edges,
             covered,
+            clip: &[],
             texels,
             aspect: match self.map.aspect {
                 AspectRule::Free if !self.map.square => Aspect::Free,
@@ -129,8 +130,13 @@ pub fn fit_light(
     Ok(FittedLight { regions, shares, texels, evaluations, joined, covered })
 }
 
-/// The best split of a budget: in proportion to c^(2/3), c the error at unit budget (math note §6).
+/// Each map's part of a light's texels: as the method says, else the best split of a budget, in proportion to c^(2/3)
+/// with c the error at unit budget (math note §6).
 pub fn shares(regions: &[Region]) -> Vec<f64> {
+    if let Some(weights) = regions.iter().map(|r| r.texel_weight).collect::<Option<Vec<f64>>>() {
+        let sum: f64 = weights.iter().sum();
+        return weights.iter().map(|w| w / sum).collect();
+    }
     let parts: Vec<f64> =
         regions.iter().map(|r| r.predict(FIRST_TEXELS).unsaturated.max(f64::MIN_POSITIVE).powf(2.0 / 3.0)).collect();
     let sum: f64 = parts.iter().sum();
