@@ -103,6 +103,11 @@ fn changed_maps_are_found() {
     broken_by(|p| p.frames[0].lights[2].maps.swap(0, 1), "sizes tried");
     broken_by(|p| p.frames[0].lights[2].maps[0].domain = plan::Domain::All, "misclassified is ");
     broken_by(|p| p.frames[0].lights[2].maps.truncate(1), "misclassified is ");
+    broken_by(|p| p.frames[0].lights[2].maps.truncate(1), " pixels that need a map lie in no domain");
+    let to_the_left = plan::Domain::HalfSpace { plane: [-1.0, 0.0, 0.0, 0.0] };
+    broken_by(|p| p.frames[0].lights[2].maps[0].domain = to_the_left, "lies in no domain");
+    let nothing = plan::Domain::Intersection { of: Vec::new() };
+    broken_by(|p| p.frames[0].lights[2].maps[0].domain = nothing, "lies in the domain of map 0");
 }
 
 #[test]

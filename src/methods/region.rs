@@ -37,8 +37,9 @@ pub struct Region {
     pub h: DMat3,
     /// Width over height in texels.
     pub aspect: f64,
-    /// Its part of the light's texels relative to the other maps', where the method says; else by predicted error.
-    pub texel_weight: Option<f64>,
+    /// Share of the light's texels that the method gives this map, relative to its other maps'. `None` = by what its
+    /// edges cost. All regions of a light have one or none has.
+    pub share: Option<f64>,
     /// How it was found.
     pub report: Report,
     /// What it was fitted to.
@@ -60,16 +61,7 @@ impl Region {
     /// From rows on normalised q that take the covered hull to the unit square.
     pub(super) fn new(plane: Plane, rows: [DVec3; 3], aspect: f64, report: Report) -> Region {
         let h = homography(&plane, &rows);
-        Region {
-            domain: Domain::All,
-            space: plane.space,
-            h,
-            aspect,
-            texel_weight: None,
-            report,
-            plane: Arc::new(plane),
-            rows,
-        }
+        Region { domain: Domain::All, space: plane.space, h, aspect, share: None, report, plane: Arc::new(plane), rows }
     }
 
     /// Whether a scene point lies in front of the light and inside the map. The domain is not asked.

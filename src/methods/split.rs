@@ -49,19 +49,26 @@ pub(super) fn parts(inputs: &Inputs, cells: Vec<(Domain, Vec<DVec4>)>) -> Vec<Pa
     parts
 }
 
-/// The maps of the parts that hold covered points, each with an even share of the texels.
+/// The maps of the parts that hold covered points, each with an even share of the texels. Where one is left out, the last
+/// answers for its points too: they need no map, but a consumer wants an answer for every point.
 pub(super) fn solve_parts(
     inputs: &Inputs,
     parts: &[Part],
     solve: impl Fn(usize, &Inputs) -> Result<Region, Inapplicable>,
 ) -> Result<Vec<Region>, Inapplicable> {
-    let needed = parts.iter().enumerate().filter(|(_, part)| !part.covered.is_empty());
-    needed
-        .map(|(k, part)| {
+    let mut regions = Vec::with_capacity(parts.len());
+    for (k, part) in parts.iter().enumerate() {
+        if !part.covered.is_empty() {
             let region = solve(k, &part.inputs(inputs))?;
-            Ok(Region { domain: part.domain.clone(), texel_weight: Some(1.0), ..region })
-        })
-        .collect()
+            regions.push(Region { domain: part.domain.clone(), share: Some(1.0), ..region });
+        }
+    }
+    if regions.len() < parts.len()
+        && let Some(last) = regions.last_mut()
+    {
+        last.domain = Domain::All;
+    }
+    Ok(regions)
 }
 
 /// Solves with one plane, or else with one plane for each needed cube face. The solver gets the view axis of a face, or

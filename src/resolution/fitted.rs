@@ -130,15 +130,11 @@ pub fn fit_light(
     Ok(FittedLight { regions, shares, texels, evaluations, joined, covered })
 }
 
-/// Each map's part of a light's texels: as the method says, else the best split of a budget, in proportion to c^(2/3)
-/// with c the error at unit budget (math note §6).
+/// The split of a light's texels over its maps, summing to 1: the method's own, else the best one, in proportion to
+/// c^(2/3), c the error at unit budget (math note §6).
 pub fn shares(regions: &[Region]) -> Vec<f64> {
-    if let Some(weights) = regions.iter().map(|r| r.texel_weight).collect::<Option<Vec<f64>>>() {
-        let sum: f64 = weights.iter().sum();
-        return weights.iter().map(|w| w / sum).collect();
-    }
-    let parts: Vec<f64> =
-        regions.iter().map(|r| r.predict(FIRST_TEXELS).unsaturated.max(f64::MIN_POSITIVE).powf(2.0 / 3.0)).collect();
+    let by_cost = |r: &Region| r.predict(FIRST_TEXELS).unsaturated.max(f64::MIN_POSITIVE).powf(2.0 / 3.0);
+    let parts: Vec<f64> = regions.iter().map(|r| r.share.unwrap_or_else(|| by_cost(r))).collect();
     let sum: f64 = parts.iter().sum();
     // A map without edges still needs texels: a hundredth of an even share.
     let least = 0.01 / regions.len() as f64;

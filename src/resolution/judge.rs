@@ -2,6 +2,7 @@
 
 use super::{Bound, FilmQuestion, FittedLight, QualityParams};
 use crate::depth::{DepthError, DepthRow, fit_row, kept_points};
+use crate::math::first_holding;
 use crate::measure::{Certainty, Drawn, Receivers, Verdict, edge_distance, footprint, wrong};
 use crate::methods::Region;
 use crate::raster::{Bias, Canvas, RasterError};
@@ -38,6 +39,17 @@ pub struct JudgedMap {
 }
 
 impl JudgedMap {
+    /// The matrices of all regions of a light; each receiver counts for the region that answers for it.
+    pub fn of_all(regions: &[Region], geometry: Geometry, receivers: &[DVec3]) -> Result<Vec<JudgedMap>, DepthError> {
+        let mut own = vec![Vec::new(); regions.len()];
+        for point in receivers {
+            if let Some(k) = first_holding(regions.iter().map(|r| &r.domain), *point) {
+                own[k].push(*point);
+            }
+        }
+        regions.iter().zip(own).map(|(region, own)| JudgedMap::new(region.clone(), geometry, &own)).collect()
+    }
+
     /// The matrix of a region with the depth row that holds `receivers` and their casters.
     pub fn new(region: Region, geometry: Geometry, receivers: &[DVec3]) -> Result<JudgedMap, DepthError> {
         let inside: Vec<DVec3> =
@@ -70,8 +82,7 @@ impl<'a> Judge<'a> {
         receivers: &'a Receivers,
         offset: RayOffset,
     ) -> Result<Judge<'a>, DepthError> {
-        let new = |region: &Region| JudgedMap::new(region.clone(), tracer.geometry(), &receivers.positions);
-        let maps = fitted.regions.iter().map(new).collect::<Result<_, _>>()?;
+        let maps = JudgedMap::of_all(&fitted.regions, tracer.geometry(), &receivers.positions)?;
         let certainty = Certainty::new(tracer, view, question.camera, question.light, receivers, offset);
         Ok(Judge {
             tracer,
@@ -100,7 +111,7 @@ impl<'a> Judge<'a> {
             self.texels_drawn += u64::from(*width) * u64::from(*height);
             self.triangles_drawn += counts.drawn;
             drawn.push(Drawn {
-                domain: map.region.domain,
+                domain: map.region.domain.clone(),
                 clip_from_scene: map.clip_from_scene,
                 map: std::mem::take(&mut self.canvas.map),
             });
