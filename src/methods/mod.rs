@@ -4,6 +4,8 @@
 
 mod along;
 mod body;
+mod cascades;
+mod faces;
 mod focused;
 mod homography_area;
 mod lispsm;
@@ -18,17 +20,18 @@ mod plane_optimal;
 mod psm;
 mod region;
 mod scene_optimal;
+mod separating_plane;
 mod split;
 mod tsm;
 
-pub use params::{AreaOver, SolverParams};
+pub use params::{AreaOver, CascadeFit, CascadeSplit, PerspectiveMethod, SolverParams};
 pub use region::{Prediction, Region, Report};
 
 use crate::fit::{Aspect, Shape};
 use crate::math::{Bounds, LightSpaceError};
 use crate::samples::EdgePoint;
 use crate::scene::{Camera, Film, Light};
-use glam::DVec3;
+use glam::{DVec3, DVec4};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -55,6 +58,12 @@ pub enum Method {
     PlaneOptimal,
     /// Film areas and map areas as equal as can be, over samples or a model of them.
     HomographyArea,
+    /// A focused map and a perspective one, apart where the two sample alike: on one plane through the light.
+    SeparatingPlane,
+    /// Cascades: the view in ranges of depth, a map for each.
+    Cascades,
+    /// The faces of the view frustum, a map for each: side faces with a warp, end faces without.
+    Faces,
     /// `lixel` with up to `solver.maps` maps: the cover split by planes where that lowers the error at equal texels most.
     Partitioned,
 }
@@ -74,6 +83,9 @@ pub struct Inputs<'a> {
     pub edges: &'a [EdgePoint],
     /// Scene points that the maps have to hold.
     pub covered: &'a [DVec3],
+    /// Half-spaces (n, d), inside where n·p + d ≥ 0, that cut the view frustum: what of it one map of several answers
+    /// for. None for a whole light.
+    pub clip: &'a [DVec4],
     /// Texels to spend, for metrics that do not scale with them.
     pub texels: f64,
     /// Width over height.
@@ -136,6 +148,15 @@ pub enum Inapplicable {
     /// Eq. 12: α (C - X) + (1 - α) (L - X) = 0.
     #[error("the normal between camera and light vanishes: they stand on opposite sides of the cover")]
     VanishingNormal,
+    /// Cascades: no logarithm of the near end.
+    #[error("a logarithmic split needs a view that begins in front of a perspective camera; take \"uniform\"")]
+    NoLogarithmicSplit,
+    /// Cascades: a snapped map of a lamp.
+    #[error("stable cascades need parallel light: the texels of a lamp's map are of different sizes")]
+    StableNeedsParallelLight,
+    /// Faces: every face is seen from inside.
+    #[error("the light stands inside the view, whose faces have no side towards it")]
+    LightAmongFaces,
 }
 
 impl From<LightSpaceError> for Inapplicable {
@@ -150,26 +171,25 @@ impl From<LightSpaceError> for Inapplicable {
 /// The maps of one light in one frame. The first region whose domain holds a point answers; together they hold every
 /// covered point.
 pub fn solve(method: Method, inputs: &Inputs) -> Result<Vec<Region>, Inapplicable> {
-    let regions = match method {
-        Method::Partitioned => partitioned::solve(inputs)?,
-        _ => split::by_cube_faces(inputs, |region_inputs, axis| single(method, region_inputs, axis))?,
-    };
+    let regions = split::by_cube_faces(inputs, |given, axis| {
+        let single = match method {
+            Method::Partitioned => return partitioned::solve(given, axis),
+            Method::SeparatingPlane => return separating_plane::solve(given, axis),
+            Method::Cascades => return cascades::solve(given, axis),
+            Method::Faces => return faces::solve(given, axis),
+            Method::Lixel => lixel::solve,
+            Method::SceneOptimal => scene_optimal::solve,
+            Method::Normal => normal::solve,
+            Method::Focused => focused::solve,
+            Method::Psm => psm::solve,
+            Method::Tsm => tsm::solve,
+            Method::Lispsm => lispsm::solve,
+            Method::PlaneOptimal => plane_optimal::solve,
+            Method::HomographyArea => homography_area::solve,
+        };
+        single(given, axis).map(|region| vec![region])
+    })?;
     if inputs.covered.iter().all(|p| held(&regions, *p)) { Ok(regions) } else { Err(Inapplicable::CoveredBehindLight) }
-}
-
-/// The one map of a method for a cover that fits a half-space. Methods with several maps give that of their parts.
-fn single(method: Method, region_inputs: &Inputs, axis: Option<DVec3>) -> Result<Region, Inapplicable> {
-    match method {
-        Method::Lixel | Method::Partitioned => lixel::solve(region_inputs, axis),
-        Method::SceneOptimal => scene_optimal::solve(region_inputs, axis),
-        Method::Normal => normal::solve(region_inputs, axis),
-        Method::Focused => focused::solve(region_inputs, axis),
-        Method::Psm => psm::solve(region_inputs, axis),
-        Method::Tsm => tsm::solve(region_inputs, axis),
-        Method::Lispsm => lispsm::solve(region_inputs, axis),
-        Method::PlaneOptimal => plane_optimal::solve(region_inputs, axis),
-        Method::HomographyArea => homography_area::solve(region_inputs, axis),
-    }
 }
 
 /// Whether the region that a point looks up holds it.

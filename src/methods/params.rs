@@ -40,6 +40,61 @@ pub struct SolverParams {
     pub plane: Option<[f64; 4]>,
     /// `homography-area`: over what the areas are compared.
     pub area: AreaOver,
+    /// `separating-plane`: the map beside the focused one.
+    pub separating_map: PerspectiveMethod,
+    /// `separating-plane`: 1 = both maps around the whole view; each further iteration fits each map to its own side of
+    /// the plane, and but for the last one the plane to the maps. 1 to 100.
+    pub separating_iterations: u32,
+    /// `cascades`: number of depth ranges, 1 to 16. One that holds nothing to cover gets no map.
+    pub cascade_count: u32,
+    /// `cascades`: where the depth ranges end.
+    pub cascade_split: CascadeSplit,
+    /// `cascades`: part of the logarithmic split in `cascade_split = "blend"`, in [0, 1].
+    pub cascade_blend: f64,
+    /// `cascades`: the map of a range.
+    pub cascade_fit: CascadeFit,
+}
+
+/// `solver.separating_map`: the map that shares a light with a focused one.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum PerspectiveMethod {
+    /// As the method `psm`.
+    Psm,
+    /// As the method `tsm`.
+    Tsm,
+    /// As the method `lispsm`.
+    #[default]
+    Lispsm,
+}
+
+/// `solver.cascade_split`: where cascades end, from the near end n of the view to its far end f.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum CascadeSplit {
+    /// n + (f - n) i / m.
+    Uniform,
+    /// n (f / n)^(i / m).
+    Log,
+    /// Between the two, by `cascade_blend`.
+    #[default]
+    Blend,
+    /// Logarithmic between the nearest and the farthest covered point, each map around the covered points of its range
+    /// alone.
+    Samples,
+}
+
+/// `solver.cascade_fit`: the map of a cascade.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum CascadeFit {
+    /// The smallest rectangle around its part of the view.
+    #[default]
+    Plain,
+    /// A square of a size that does not change as the camera turns, on a grid that does not move: texels stand still.
+    Stable,
+    /// As the method `lispsm` for its part of the view.
+    Warped,
 }
 
 /// `solver.area`: over what `homography-area` compares areas.
@@ -78,6 +133,12 @@ impl Default for SolverParams {
             tsm_focus: 0.8,
             plane: None,
             area: AreaOver::default(),
+            separating_map: PerspectiveMethod::default(),
+            separating_iterations: 20,
+            cascade_count: 4,
+            cascade_split: CascadeSplit::default(),
+            cascade_blend: 0.5,
+            cascade_fit: CascadeFit::default(),
         }
     }
 }

@@ -64,6 +64,7 @@ impl<'a> FilmQuestion<'a> {
             bounds: self.bounds,
             edges: &samples.edges,
             covered,
+            clip: &[],
             texels,
             aspect: match self.map.aspect {
                 AspectRule::Free if !self.map.square => Aspect::Free,

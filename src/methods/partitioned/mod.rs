@@ -9,7 +9,7 @@
 mod candidates;
 
 use super::region::Region;
-use super::{Inapplicable, Inputs, SolverParams, lixel, split};
+use super::{Inapplicable, Inputs, SolverParams, lixel};
 use crate::fit::Effort;
 use crate::math::Domain;
 use crate::samples::EdgePoint;
@@ -33,8 +33,6 @@ const STRIP: f64 = 1e-6;
 
 /// A part of what is covered.
 struct Part {
-    /// Of a cube face, where the cover fits no half-space.
-    face: Option<Domain>,
     /// Half-spaces plane·(point, 1) ≥ 0, normals of unit length.
     planes: Vec<DVec4>,
     edges: Vec<EdgePoint>,
@@ -44,20 +42,12 @@ struct Part {
     worth: f64,
 }
 
-/// Solves all regions.
-pub(super) fn solve(inputs: &Inputs) -> Result<Vec<Region>, Inapplicable> {
-    let whole = split::by_cube_faces(inputs, lixel::solve)?;
+/// Solves one cover that fits a half-space: of a light among the geometry, each cube face gets so many maps.
+pub(super) fn solve(inputs: &Inputs, axis: Option<DVec3>) -> Result<Vec<Region>, Inapplicable> {
+    let region = lixel::solve(inputs, axis)?;
     let most = inputs.solver.maps as usize;
-    let mut parts: Vec<Part> = whole
-        .into_iter()
-        .map(|region| {
-            let domain = &region.domain;
-            let edges = inputs.edges.iter().copied().filter(|e| domain.holds(e.position)).collect();
-            let covered = inputs.covered.iter().copied().filter(|p| domain.holds(*p)).collect();
-            let face = (*domain != Domain::All).then(|| domain.clone());
-            Part { face, planes: Vec::new(), edges, covered, worth: worth(inputs, &region), region }
-        })
-        .collect();
+    let (edges, covered) = (inputs.edges.to_vec(), inputs.covered.to_vec());
+    let mut parts = vec![Part { planes: Vec::new(), edges, covered, worth: worth(inputs, &region), region }];
     let mut splits: Vec<Option<[Part; 2]>> = Vec::new();
     while parts.len() < most {
         for part in &parts[splits.len()..] {
@@ -80,8 +70,7 @@ pub(super) fn solve(inputs: &Inputs) -> Result<Vec<Region>, Inapplicable> {
 
 impl Part {
     fn finished(self) -> Region {
-        let mut all: Vec<Domain> = self.face.into_iter().collect();
-        all.extend(self.planes.into_iter().map(|plane| Domain::HalfSpace { plane }));
+        let mut all: Vec<Domain> = self.planes.into_iter().map(|plane| Domain::HalfSpace { plane }).collect();
         let domain = match all.len() {
             0 => Domain::All,
             1 => all.swap_remove(0),
@@ -155,7 +144,7 @@ fn half(inputs: &Inputs, part: &Part, plane: DVec4) -> Option<Part> {
     let own = Inputs { edges: &edges, covered: &covered, texels, ..*inputs };
     let region = lixel::solve(&own, None).ok()?;
     let planes = part.planes.iter().copied().chain([plane]).collect();
-    Some(Part { face: part.face.clone(), planes, worth: worth(inputs, &region), edges, covered, region })
+    Some(Part { planes, worth: worth(inputs, &region), edges, covered, region })
 }
 
 fn held_edges(edges: &[EdgePoint], plane: DVec4) -> Vec<EdgePoint> {
