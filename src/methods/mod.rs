@@ -2,6 +2,7 @@
 //!
 //! A region is a homography of a light plane with the points that look it up. Row 3, sizes and bias come later.
 
+mod adaptive;
 mod along;
 mod body;
 mod cascades;
@@ -66,6 +67,10 @@ pub enum Method {
     Faces,
     /// `lixel` with up to `solver.maps` maps: the cover split by planes where that lowers the error at equal texels most.
     Partitioned,
+    /// Quadtree tiles of the light plane, finer where pixels are, with equal texels.
+    Adaptive,
+    /// Quadtree tiles of the light plane, finer where shadow edges are, with texels by what their edges cost.
+    Edges,
 }
 
 /// What a method gets: one light in one frame.
@@ -174,6 +179,8 @@ pub fn solve(method: Method, inputs: &Inputs) -> Result<Vec<Region>, Inapplicabl
     let regions = split::by_cube_faces(inputs, |given, axis| {
         let single = match method {
             Method::Partitioned => return partitioned::solve(given, axis),
+            Method::Adaptive => return adaptive::solve(given, axis, adaptive::Level::Footprint),
+            Method::Edges => return adaptive::solve(given, axis, adaptive::Level::Edges),
             Method::SeparatingPlane => return separating_plane::solve(given, axis),
             Method::Cascades => return cascades::solve(given, axis),
             Method::Faces => return faces::solve(given, axis),

@@ -25,8 +25,10 @@ pub struct SolverParams {
     /// Rounds of choosing between maps by measured error, each among eight neighbours of the best map so far, before the
     /// first of which the other metrics' and methods' answers are measured too. 0 = trust the metric. At most 20.
     pub measured_rounds: u32,
-    /// `partitioned`: most maps of a light, 1 to 64.
+    /// `partitioned`: most maps of a light (of each cube face, for a light among the geometry), 1 to 64.
     pub maps: u32,
+    /// `adaptive`, `edges`: most tiles of a light (of each cube face), 1 to 1024.
+    pub tiles: u32,
     /// `psm`: the camera slides back until the plane at infinity lies at this depth or deeper, in the post-perspective
     /// depth of its view, where 0 is near and 1 is far; at least 1. 1 = never.
     pub psm_infinity: f64,
@@ -128,6 +130,7 @@ impl Default for SolverParams {
             effort: Effort::default(),
             measured_rounds: 2,
             maps: 4,
+            tiles: 32,
             psm_infinity: 1.5,
             tsm_depth: 0.52,
             tsm_focus: 0.8,
