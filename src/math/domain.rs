@@ -64,18 +64,18 @@ impl Domain {
     pub fn holds(&self, point: DVec3) -> bool {
         match self {
             Domain::All => true,
-            Domain::HalfSpace { plane } => on_plane(*plane, point) >= 0.0,
+            Domain::HalfSpace { plane } => row_at(*plane, point) >= 0.0,
             Domain::ViewDepth { position, forward, from_m, to_m } => {
                 let depth_m = forward.dot(point - *position);
                 *from_m <= depth_m && depth_m < *to_m
             }
             Domain::LightPlaneRectangle { plane_from_scene, min, max } => {
-                let [x, y, w] = plane_from_scene.map(|row| on_plane(row, point));
+                let [x, y, w] = plane_from_scene.map(|row| row_at(row, point));
                 let flat = DVec2::new(x / w, y / w);
                 w > 0.0 && min.cmple(flat).all() && flat.cmplt(*max).all()
             }
             Domain::LightPlanePolygon { plane_from_scene, sides } => {
-                let q = DVec3::from_array(plane_from_scene.map(|row| on_plane(row, point)));
+                let q = DVec3::from_array(plane_from_scene.map(|row| row_at(row, point)));
                 q.z > 0.0 && sides.iter().all(|side| side.dot(q) >= 0.0)
             }
             Domain::CubeFace { position, axes, axis, positive } => {
@@ -96,8 +96,8 @@ impl Domain {
     }
 }
 
-/// a x + b y + c z + d, from left to right.
-fn on_plane(plane: DVec4, p: DVec3) -> f64 {
+/// a x + b y + c z + d, from left to right: as domains evaluate their rows.
+pub fn row_at(plane: DVec4, p: DVec3) -> f64 {
     plane.x * p.x + plane.y * p.y + plane.z * p.z + plane.w
 }
 

@@ -4,8 +4,8 @@
 //!
 //! The root is the square around the cover in the light's image plane. As long as there is room, the tile that is most
 //! undersampled is cut into its four children; those without covered points are dropped. `adaptive` gives all tiles equal
-//! texels and cuts where side over finest pixel footprint is largest. `edges` cuts where that lowers Σ c^(2/3) most (math
-//! note §6), which leaves tiles without shadow edges whole, and splits the texels alike: surfaces that are lit or shadowed
+//! texels and cuts where side over finest pixel footprint is largest. `edges` cuts the tile whose
+//! shadow edges cost most, which leaves tiles without any whole, and splits the texels by cost (math note §6): surfaces that are lit or shadowed
 //! throughout answer rightly at any resolution.
 //!
 //! Deviations: levels are chosen for a budget, where the papers ask for a texel a pixel; footprints are those of a surface
@@ -16,7 +16,7 @@ use super::plane::Plane;
 use super::region::{Region, Report};
 use super::{Inapplicable, Inputs, lixel};
 use crate::fit::{Aspect, Termination};
-use crate::math::{Domain, LightSpace};
+use crate::math::{Domain, LightSpace, row_at};
 use crate::samples::EdgePoint;
 use glam::{DVec2, DVec3};
 
@@ -46,7 +46,7 @@ struct Spot {
 
 struct Tile {
     min: DVec2,
-    side: f64,
+    max: DVec2,
     level: u32,
     spots: Vec<Spot>,
     edges: Vec<(DVec2, EdgePoint)>,
@@ -59,9 +59,11 @@ pub(super) fn solve(inputs: &Inputs, axis: Option<DVec3>, level: Level) -> Resul
         (Some(axis), Some(position)) => LightSpace::perspective(position, axis, lixel::centre(inputs.covered)),
         _ => LightSpace::around(inputs.light, inputs.covered)?,
     };
+    // To the bit as the tiles' domains evaluate it.
+    let rows = space.plane_from_scene();
     let flat = |point: DVec3| {
-        let q = space.q(point);
-        (q.z > 0.0).then(|| q.truncate() / q.z)
+        let [x, y, w] = rows.map(|row| row_at(row, point));
+        (w > 0.0).then(|| DVec2::new(x / w, y / w))
     };
     let spots: Vec<Spot> = inputs
         .covered
@@ -76,7 +78,8 @@ pub(super) fn solve(inputs: &Inputs, axis: Option<DVec3>, level: Level) -> Resul
     let side = (hi - lo).max_element().max(finest) * (1.0 + 2.0 * BORDER);
     let edges = inputs.edges.iter().filter_map(|e| Some((flat(e.position)?, *e))).collect();
     let min = 0.5 * (lo + hi) - DVec2::splat(0.5 * side);
-    let root = Tile::new(inputs, space, (min, side, 0), spots, edges).ok_or(Inapplicable::NoFiniteFit)?;
+    let root =
+        Tile::new(inputs, space, (min, min + DVec2::splat(side), 0), spots, edges).ok_or(Inapplicable::NoFiniteFit)?;
     let most = inputs.solver.tiles as usize;
     // Children are made once, when their parent is first looked at.
     let mut tiles = vec![(root, None::<(f64, Vec<Tile>)>)];
@@ -113,13 +116,14 @@ impl Tile {
     fn new(
         inputs: &Inputs,
         space: LightSpace,
-        (min, side, level): (DVec2, f64, u32),
+        (min, max, level): (DVec2, DVec2, u32),
         spots: Vec<Spot>,
         edges: Vec<(DVec2, EdgePoint)>,
     ) -> Option<Tile> {
         let covered: Vec<DVec3> = spots.iter().map(|s| s.point).collect();
         let points: Vec<EdgePoint> = edges.iter().map(|e| e.1).collect();
         let plane = Plane::new(inputs, space, &covered, &points, true)?;
+        let side = (max - min).max_element();
         let scale = 1.0 / (side * (1.0 + 2.0 * BORDER));
         let row =
             |axis: DVec3, at: f64| plane.normalisation.row(axis * scale + DVec3::Z * ((BORDER * side - at) * scale));
@@ -139,15 +143,8 @@ impl Tile {
         };
         let mut region = Region::new(plane, rows, aspect, report);
         let plane_from_scene = space.plane_from_scene();
-        region.domain = Domain::LightPlaneRectangle { plane_from_scene, min, max: min + DVec2::splat(side) };
-        (region.h.is_finite() && region.h.determinant() > 0.0).then_some(Tile {
-            min,
-            side,
-            level,
-            spots,
-            edges,
-            region,
-        })
+        region.domain = Domain::LightPlaneRectangle { plane_from_scene, min, max };
+        (region.h.is_finite() && region.h.determinant() > 0.0).then_some(Tile { min, max, level, spots, edges, region })
     }
 
     /// How much it needs to be cut, and its children that hold covered points.
@@ -155,8 +152,7 @@ impl Tile {
         if self.level >= DEEPEST || (level == Level::Edges && self.edges.is_empty()) {
             return (0.0, Vec::new());
         }
-        let half = 0.5 * self.side;
-        let middle = self.min + DVec2::splat(half);
+        let middle = 0.5 * (self.min + self.max);
         // Halves meet at one value; each point lies in exactly one child.
         let quadrant = |at: DVec2| usize::from(at.x >= middle.x) + 2 * usize::from(at.y >= middle.y);
         let mut children = Vec::with_capacity(4);
@@ -170,18 +166,21 @@ impl Tile {
                 if k % 2 == 0 { self.min.x } else { middle.x },
                 if k / 2 == 0 { self.min.y } else { middle.y },
             );
-            match Tile::new(inputs, space, (min, half, self.level + 1), spots, edges) {
+            let max = DVec2::new(
+                if k % 2 == 0 { middle.x } else { self.max.x },
+                if k / 2 == 0 { middle.y } else { self.max.y },
+            );
+            match Tile::new(inputs, space, (min, max, self.level + 1), spots, edges) {
                 Some(tile) => children.push(tile),
                 None => return (0.0, Vec::new()),
             }
         }
         let need = match level {
-            Level::Footprint => self.side / self.spots.iter().map(|s| s.footprint).fold(f64::INFINITY, f64::min),
-            Level::Edges => {
-                let texels = inputs.texels / tiles as f64;
-                let worth = |t: &Tile| (t.region.predict(texels).misclassified * texels.sqrt()).powf(2.0 / 3.0);
-                worth(self) - children.iter().map(worth).sum::<f64>()
+            Level::Footprint => {
+                let finest = self.spots.iter().map(|s| s.footprint).fold(f64::INFINITY, f64::min);
+                (self.max - self.min).max_element() / finest
             }
+            Level::Edges => self.region.predict(inputs.texels / tiles as f64).misclassified,
         };
         (need, children)
     }

@@ -71,6 +71,8 @@ pub enum Method {
     Adaptive,
     /// Quadtree tiles of the light plane, finer where shadow edges are, with texels by what their edges cost.
     Edges,
+    /// No map: exact visibility at every pixel, as an irregular z-buffer gives it. For comparison only.
+    Irregular,
 }
 
 /// What a method gets: one light in one frame.
@@ -106,6 +108,9 @@ pub struct Inputs<'a> {
 /// Why a method gives no map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Inapplicable {
+    /// Irregular z-buffers.
+    #[error("exact visibility at every pixel has no map: \"irregular\" takes part in comparisons only")]
+    NoMap,
     /// No point is covered.
     #[error("nothing to cover")]
     Empty,
@@ -178,6 +183,7 @@ impl From<LightSpaceError> for Inapplicable {
 pub fn solve(method: Method, inputs: &Inputs) -> Result<Vec<Region>, Inapplicable> {
     let regions = split::by_cube_faces(inputs, |given, axis| {
         let single = match method {
+            Method::Irregular => return Err(Inapplicable::NoMap),
             Method::Partitioned => return partitioned::solve(given, axis),
             Method::Adaptive => return adaptive::solve(given, axis, adaptive::Level::Footprint),
             Method::Edges => return adaptive::solve(given, axis, adaptive::Level::Edges),

@@ -108,7 +108,7 @@ mod tests {
     fn balanced_shares_minimise_the_sum_of_the_laws() {
         // c_k s^(-1/2): the minimum is s ~ c^(2/3).
         let costs = [1.0_f64, 2.0, 4.0];
-        let at = [1.0 / 3.0; 3];
+        let at = [1.0_f64 / 3.0; 3];
         let laws = [0, 1, 2].map(|k: usize| (0.5 * costs[k] * at[k].powf(-0.5), 0.5));
         let found = balanced(&at, &laws);
         let parts = costs.map(|c| c.powf(2.0 / 3.0));
