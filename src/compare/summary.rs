@@ -134,7 +134,7 @@ pub fn summarise(comparison: &Comparison) -> Summary {
             edge: sum(method, &|r| r.edge),
             self_shadow: sum(method, &|r| r.self_shadow),
             uncertain: sum(method, &|r| r.uncertain),
-            percent_more: (best > 0).then(|| (misclassified as f64 / best as f64 - 1.0) * 100.0),
+            percent_more: (best > 0 && !exact(&method)).then(|| (misclassified as f64 / best as f64 - 1.0) * 100.0),
             ratio: ratio(&pairs(counted)),
             edge_ratio: ratio(&pairs(&|r| Some(r.edge as f64))),
             inapplicable: method.inapplicable,
