@@ -119,6 +119,29 @@ fn files_and_table_say_what_was_measured() {
 }
 
 #[test]
+fn exact_visibility_takes_part_with_its_samples() {
+    let with = CompareParams {
+        methods: vec![Method::SceneOptimal, Method::Partitioned, Method::Irregular],
+        ..params(Question::Texels(4000), BiasChoice::Plan)
+    };
+    let found = run(&job(2), &with, 2);
+    let summary = summarise(&found);
+    let exact = &summary.methods[2];
+    assert_eq!((exact.misclassified, exact.ratio.of_sums), (0, Some(0.0)));
+    assert_eq!(exact.samples, Some(found.lights.iter().map(|l| l.facing).sum::<u64>() as f64 / 2.0));
+    // The best method with maps is the one that others are compared with.
+    let least = summary.methods[..2].iter().map(|m| m.percent_more.unwrap()).fold(f64::INFINITY, f64::min);
+    assert_eq!(least, 0.0);
+    assert!(table(&found, &summary).contains("irregular: exact, at the cost of"));
+    // Several maps share the texels, and are worth it.
+    let partitioned = &found.methods[1];
+    for row in partitioned.per_light.iter().map(|r| r.measured.as_ref().unwrap()) {
+        assert!(row.maps.len() > 1 && row.maps.len() <= 4 && row.texels <= 4000, "{:?}", row.maps);
+    }
+    assert!(partitioned.misclassified < found.methods[0].misclassified);
+}
+
+#[test]
 fn texels_are_searched_for_a_bound() {
     let mut job = job(1);
     job.job.quality.epsilon = Some(0.05);

@@ -6,7 +6,7 @@ use std::fs;
 use std::path::Path;
 
 use lixel::job::Job;
-use lixel::plan::{Dest, Format, Input, Plan, PlanError, parse, read, to_text, write};
+use lixel::plan::{Dest, Domain, Format, Input, Plan, PlanError, parse, read, to_text, write};
 use proptest::prelude::*;
 
 fn sample() -> Plan {
@@ -20,6 +20,33 @@ fn both_formats_read_back_equal() {
         let text = to_text(&plan, format).unwrap();
         assert_eq!(parse(&text, format, Path::new("p")).unwrap(), plan, "{format:?}:\n{text}");
     }
+}
+
+#[test]
+fn every_kind_of_domain_is_written_and_read() {
+    let plane_from_world = [[0.1, 0.2, 0.3, -1e-12], [1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
+    let half_space = Domain::HalfSpace { plane: [0.6, 0.0, -0.8, 1.0 / 3.0] };
+    let depth = |from, to| Domain::ViewDepth { position: [0.0, 1.7, 5.0], forward: [0.0, 0.0, -1.0], from, to };
+    let polygon = Domain::LightPlanePolygon { plane_from_world, sides: vec![[1.0, 0.0, 0.5], [-0.3, 0.2, 1.0 / 7.0]] };
+    let domains = [
+        half_space.clone(),
+        depth(None, Some(12.5)),
+        depth(Some(12.5), None),
+        Domain::LightPlaneRectangle { plane_from_world, min: [-1.0, 0.5], max: [-0.25, 1e300] },
+        Domain::Intersection { of: vec![polygon.clone(), half_space] },
+        polygon,
+    ];
+    let mut plan = sample();
+    plan.frames[0].lights[0].maps = domains.into_iter().map(|domain| plan_sample::map(domain, None)).collect();
+    for format in [Format::Json, Format::Toml] {
+        let text = to_text(&plan, format).unwrap();
+        assert_eq!(parse(&text, format, Path::new("p")).unwrap(), plan, "{format:?}:\n{text}");
+    }
+    let validator = jsonschema::validator_for(&schemars::schema_for!(Plan).to_value()).unwrap();
+    let mut value: serde_json::Value = serde_json::from_str(&to_text(&plan, Format::Json).unwrap()).unwrap();
+    assert!(validator.is_valid(&value));
+    value["frames"][0]["lights"][0]["maps"][0]["domain"]["plane"] = serde_json::json!([1, 0, 0]);
+    assert!(!validator.is_valid(&value), "a plane of three numbers is no plane");
 }
 
 #[test]

@@ -94,6 +94,24 @@ fn a_bound_that_the_plan_says_is_not_met_is_told_apart_from_a_broken_plan() {
 }
 
 #[test]
+fn plans_of_several_maps_hold() {
+    for method in ["partitioned", "adaptive", "edges"] {
+        let plan =
+            plan_courtyard(&format!("[solver]\nmethod = '{method}'\ntiles = 6\nmaps = 3\nmeasured_rounds = 1\n"));
+        let found = verify(&plan);
+        assert_eq!(faults(&found), "", "{method}");
+        let sun = &plan.frames[0].lights[0];
+        assert!(sun.maps.len() > 1, "{method}: {} maps", sun.maps.len());
+        assert!(sun.maps.iter().all(|m| m.domain != plan::Domain::All), "{method}");
+        // What is left of a light's maps does not answer for what they all covered.
+        let mut fewer = plan.clone();
+        fewer.frames[0].lights[0].maps.pop();
+        fewer.summary = Summary::of(&fewer.frames);
+        assert!(faults(&verify(&fewer)).contains(" pixels that need a map lie in no domain"), "{method}");
+    }
+}
+
+#[test]
 fn changed_maps_are_found() {
     broken_by(|p| p.frames[0].lights[0].maps[0].clip_from_world[0][3] += 0.5, "misclassified is ");
     broken_by(|p| p.frames[0].lights[0].maps[0].clip_from_world[0][0] *= 1.0 + 1e-12, "the matrix gives");
@@ -103,6 +121,11 @@ fn changed_maps_are_found() {
     broken_by(|p| p.frames[0].lights[2].maps.swap(0, 1), "sizes tried");
     broken_by(|p| p.frames[0].lights[2].maps[0].domain = plan::Domain::All, "misclassified is ");
     broken_by(|p| p.frames[0].lights[2].maps.truncate(1), "misclassified is ");
+    broken_by(|p| p.frames[0].lights[2].maps.truncate(1), " pixels that need a map lie in no domain");
+    let to_the_left = plan::Domain::HalfSpace { plane: [-1.0, 0.0, 0.0, 0.0] };
+    broken_by(|p| p.frames[0].lights[2].maps[0].domain = to_the_left, "lies in no domain");
+    let nothing = plan::Domain::Intersection { of: Vec::new() };
+    broken_by(|p| p.frames[0].lights[2].maps[0].domain = nothing, "lies in the domain of map 0");
 }
 
 #[test]

@@ -64,6 +64,10 @@ pub(super) fn entry(
         solve_seconds: 0.0,
         seconds: 0.0,
     };
+    if method == Method::Irregular {
+        row.measured = Some(exact(case, params));
+        return Ok((row, Mask::default()));
+    }
     let fitted = fit(case, method, &question, params);
     row.solve_seconds = start.elapsed().as_secs_f64();
     let mut mask = Mask::default();
@@ -137,12 +141,36 @@ fn measure(
         predicted_unsaturated: Some(prediction.unsaturated).filter(|p| p.is_finite()),
         texels,
         maps: sizes,
+        samples: None,
         bias_constant: bias.constant,
         bias_slope: bias.slope,
         bias_clamp: bias.clamp.is_finite().then_some(bias.clamp),
         needed,
     };
     Ok((measured, Mask { certain, edge }))
+}
+
+/// Exact visibility per sample: an irregular z-buffer keeps every pixel that faces the light as a sample of the light's
+/// image (Johnson, Lee, Burns and Mark 2005; Aila and Laine 2004), answers all of them rightly, and that is its cost.
+fn exact(case: &Case, params: &CompareParams) -> Measured {
+    let samples = case.receivers.len() as u64;
+    Measured {
+        misclassified: 0,
+        false_lit: 0,
+        false_shadow: 0,
+        self_shadow: 0,
+        edge: 0,
+        uncertain: 0,
+        predicted: None,
+        predicted_unsaturated: None,
+        texels: 0,
+        maps: Vec::new(),
+        samples: Some(samples),
+        bias_constant: 0.0,
+        bias_slope: 0.0,
+        bias_clamp: None,
+        needed: (params.question == Question::Epsilon).then_some(TexelsFor { met: true, texels: samples }),
+    }
 }
 
 /// The bias, and the receivers that are answered wrongly with it.

@@ -29,7 +29,7 @@ pub fn json(comparison: &Comparison, summary: &Summary) -> Result<String, PlanEr
 }
 
 const HEAD: &str = "frame,light,method,reason,misclassified,false_lit,false_shadow,edge,self_shadow,uncertain,predicted,\
-                    predicted_unsaturated,texels,maps,bias_constant,bias_slope,bias_clamp,met,solve_seconds,seconds\n";
+                    predicted_unsaturated,texels,maps,samples,bias_constant,bias_slope,bias_clamp,met,solve_seconds,seconds\n";
 
 /// One row a light and method, with a head (RFC 4180, lines end with LF).
 pub fn csv(comparison: &Comparison) -> String {
@@ -38,7 +38,7 @@ pub fn csv(comparison: &Comparison) -> String {
         for method in &comparison.methods {
             let row = &method.per_light[light];
             let reason = row.reason.clone().unwrap_or_default();
-            let measured = row.measured.as_ref().map_or([const { String::new() }; 14], fields);
+            let measured = row.measured.as_ref().map_or([const { String::new() }; 15], fields);
             let first = [row.frame.to_string(), quoted(&row.light), method.method.clone(), quoted(&reason)];
             let last = [format!("{:.6}", row.solve_seconds), format!("{:.6}", row.seconds)];
             let cells: Vec<String> = first.into_iter().chain(measured).chain(last).collect();
@@ -49,7 +49,7 @@ pub fn csv(comparison: &Comparison) -> String {
     text
 }
 
-fn fields(m: &Measured) -> [String; 14] {
+fn fields(m: &Measured) -> [String; 15] {
     let option = |value: Option<f64>| value.map(|v| v.to_string()).unwrap_or_default();
     let maps: Vec<String> = m.maps.iter().map(|[w, h]| format!("{w}x{h}")).collect();
     [
@@ -63,6 +63,7 @@ fn fields(m: &Measured) -> [String; 14] {
         option(m.predicted_unsaturated),
         m.texels.to_string(),
         maps.join("+"),
+        m.samples.map(|s| s.to_string()).unwrap_or_default(),
         m.bias_constant.to_string(),
         m.bias_slope.to_string(),
         option(m.bias_clamp),

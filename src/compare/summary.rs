@@ -64,7 +64,7 @@ pub struct MethodSummary {
     pub self_shadow: u64,
     /// Further wrong pixels whose exact answer is uncertain.
     pub uncertain: u64,
-    /// Misclassified more than the best method, percent.
+    /// Misclassified more than the best method with maps, percent.
     pub percent_more: Option<f64>,
     /// Wrong pixels (or searched texels) to the reference's.
     pub ratio: Ratio,
@@ -74,6 +74,9 @@ pub struct MethodSummary {
     pub inapplicable: u64,
     /// Lights on which the bound was not met, when texels were searched.
     pub not_met: u64,
+    /// Mean samples a light, of a method that answers exactly.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub samples: Option<f64>,
     /// Mean seconds a light for the fit alone.
     pub solve_seconds: f64,
     /// Mean seconds a light for fit, drawing and counting.
@@ -110,7 +113,8 @@ pub fn summarise(comparison: &Comparison) -> Summary {
     let sum = |method: &MethodRows, of: &dyn Fn(&Measured) -> u64| -> u64 {
         common.iter().filter_map(|i| method.per_light[*i].measured.as_ref()).map(of).sum()
     };
-    let best = methods.iter().map(|m| sum(m, &|r| r.misclassified)).min().unwrap_or(0);
+    let exact = |m: &&MethodRows| m.per_light.iter().filter_map(|r| r.measured.as_ref()).any(|r| r.samples.is_some());
+    let best = methods.iter().filter(|m| !exact(m)).map(|m| sum(m, &|r| r.misclassified)).min().unwrap_or(0);
     let summary_of = |method: &MethodRows| {
         let misclassified = sum(method, &|r| r.misclassified);
         let pairs = |of: &dyn Fn(&Measured) -> Option<f64>| -> Vec<(f64, f64)> {
@@ -130,11 +134,13 @@ pub fn summarise(comparison: &Comparison) -> Summary {
             edge: sum(method, &|r| r.edge),
             self_shadow: sum(method, &|r| r.self_shadow),
             uncertain: sum(method, &|r| r.uncertain),
-            percent_more: (best > 0).then(|| (misclassified as f64 / best as f64 - 1.0) * 100.0),
+            percent_more: (best > 0 && !exact(&method)).then(|| (misclassified as f64 / best as f64 - 1.0) * 100.0),
             ratio: ratio(&pairs(counted)),
             edge_ratio: ratio(&pairs(&|r| Some(r.edge as f64))),
             inapplicable: method.inapplicable,
             not_met: rows().filter(|r| r.needed.is_some_and(|n| !n.met)).count() as u64,
+            samples: exact(&method)
+                .then(|| sum(method, &|r| r.samples.unwrap_or(0)) as f64 / common.len().max(1) as f64),
             solve_seconds: method.per_light.iter().map(|r| r.solve_seconds).sum::<f64>() / compared,
             seconds: method.seconds,
             predicted: correlation(rows(), |r| r.predicted),

@@ -21,6 +21,11 @@ pub fn table(comparison: &Comparison, summary: &Summary) -> String {
         return text;
     }
     text += &grid(&main_rows(summary, reference));
+    for m in &summary.methods {
+        if let Some(samples) = m.samples {
+            text += &format!("\n{}: exact, at the cost of {samples:.0} samples a light in place of texels\n", m.method);
+        }
+    }
     text += "\nMean wrong pixels over the worst tenth of the lights by each method\n\n";
     text += &grid(&worst_rows(summary));
     text += "\nWrong pixels measured against predicted: slope through the origin, Pearson's r, r of the logarithms\n\n";

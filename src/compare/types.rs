@@ -98,6 +98,9 @@ pub struct Measured {
     pub texels: u64,
     /// Width and height of each map.
     pub maps: Vec<[u32; 2]>,
+    /// Samples that stand in for texels, one a pixel that faces the light, where the method answers exactly.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub samples: Option<u64>,
     /// Constant bias, window depth.
     pub bias_constant: f64,
     /// Factor on the depth slope per texel.

@@ -104,6 +104,11 @@ impl LightSpace {
         linear.extend(constant - linear.dot(self.center))
     }
 
+    /// Rows of q on (X, 1).
+    pub fn plane_from_scene(&self) -> [DVec4; 3] {
+        [DVec3::X, DVec3::Y, DVec3::Z].map(|row| self.row_from_q(row))
+    }
+
     /// The row of [`LightSpace::along`].
     pub fn along_row(&self) -> DVec4 {
         self.axes[2].extend(-self.axes[2].dot(self.center))

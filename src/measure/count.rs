@@ -69,7 +69,11 @@ pub enum Looked {
 
 /// Looks a scene point up.
 pub fn look_up(maps: &[Drawn], point: DVec3) -> Looked {
-    let Some(drawn) = maps.iter().find(|m| m.domain.holds(point)) else { return Looked::Outside };
+    maps.iter().find(|m| m.domain.holds(point)).map_or(Looked::Outside, |drawn| look_up_in(drawn, point))
+}
+
+/// Looks a scene point up in one map, whatever its domain.
+fn look_up_in(drawn: &Drawn, point: DVec3) -> Looked {
     let clip = drawn.clip_from_scene * point.extend(1.0);
     if clip.w <= 0.0 {
         return Looked::Outside;

@@ -33,8 +33,12 @@ pub(super) enum Rectangle {
 /// The body of a warping method. A spot's image plane stands on its own axis, a point light's on that of the smallest
 /// cone around the body, a cube face's on the face.
 pub(super) fn body(inputs: &Inputs, axis: Option<DVec3>) -> Result<Body, Inapplicable> {
+    body_of(inputs, axis, view_body(inputs, axis)?)
+}
+
+/// The same of other points than the vertices of view ∩ light ∩ scene.
+pub(super) fn body_of(inputs: &Inputs, axis: Option<DVec3>, vertices: Vec<DVec3>) -> Result<Body, Inapplicable> {
     may_warp(inputs)?;
-    let vertices = view_body(inputs, axis)?;
     let space = light_plane(inputs, axis, &vertices)?;
     let vertices: Vec<DVec3> = vertices.into_iter().filter(|p| space.q(*p).z > 0.0).collect();
     let held: Vec<DVec3> = vertices.iter().chain(inputs.covered).copied().collect();

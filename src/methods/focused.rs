@@ -17,12 +17,16 @@ const CONE_SIDES: u32 = 8;
 
 /// Solves one region.
 pub(super) fn solve(inputs: &Inputs, axis: Option<DVec3>) -> Result<Region, Inapplicable> {
-    let body = view_body(inputs, axis)?;
+    around(inputs, axis, &view_body(inputs, axis)?)
+}
+
+/// The same around other points than the body's vertices.
+pub(super) fn around(inputs: &Inputs, axis: Option<DVec3>, body: &[DVec3]) -> Result<Region, Inapplicable> {
     let space = match (axis, inputs.light.position()) {
         (Some(axis), Some(position)) => LightSpace::perspective(position, axis, inputs.bounds.center()),
-        _ => LightSpace::around(inputs.light, &body)?,
+        _ => LightSpace::around(inputs.light, body)?,
     };
-    uniform_region(inputs, space, &body, true)
+    uniform_region(inputs, space, body, true)
 }
 
 /// A region without a warp around a body: its minimum-area rectangle, or its box in the light's frame.
@@ -58,10 +62,11 @@ pub(super) fn uniform_region(
     Ok(Region::new(plane, rows, aspect, report))
 }
 
-/// Vertices of view frustum ∩ light frustum ∩ scene bounds.
+/// Vertices of view frustum ∩ light frustum ∩ scene bounds ∩ the inputs' own half-spaces.
 pub(super) fn view_body(inputs: &Inputs, axis: Option<DVec3>) -> Result<Vec<DVec3>, Inapplicable> {
     let mut planes = light_planes(inputs, axis, inputs.camera.world_from_camera.x_axis);
     planes.extend(view_planes(inputs));
+    planes.extend(inputs.clip);
     let body = vertices(inputs, &planes);
     if body.is_empty() { Err(Inapplicable::NoCommonVolume) } else { Ok(body) }
 }

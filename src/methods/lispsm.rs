@@ -20,7 +20,7 @@
 //! passes the eye depth of e makes n jump, as in the paper.
 
 use super::along::{Warp, across, extent, region};
-use super::body::{Body, body, least};
+use super::body::{Body, body, body_of, least};
 use super::{Inapplicable, Inputs, Region};
 use crate::scene::Projection;
 use glam::{DVec2, DVec3};
@@ -30,7 +30,15 @@ const ALONG_LIGHT: f64 = 1e-9;
 
 /// Solves one region.
 pub(super) fn solve(inputs: &Inputs, axis: Option<DVec3>) -> Result<Region, Inapplicable> {
-    let body = body(inputs, axis)?;
+    fitted(inputs, body(inputs, axis)?)
+}
+
+/// The same around other points than the body's vertices.
+pub(super) fn around(inputs: &Inputs, axis: Option<DVec3>, points: Vec<DVec3>) -> Result<Region, Inapplicable> {
+    fitted(inputs, body_of(inputs, axis, points)?)
+}
+
+fn fitted(inputs: &Inputs, body: Body) -> Result<Region, Inapplicable> {
     let warp = warp(inputs, &body)?;
     region(inputs, body, &warp)
 }

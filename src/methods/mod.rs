@@ -2,8 +2,11 @@
 //!
 //! A region is a homography of a light plane with the points that look it up. Row 3, sizes and bias come later.
 
+mod adaptive;
 mod along;
 mod body;
+mod cascades;
+mod faces;
 mod focused;
 mod homography_area;
 mod lispsm;
@@ -11,23 +14,25 @@ mod lixel;
 mod normal;
 mod on_plane;
 mod params;
+mod partitioned;
 mod plane;
 mod plane_fit;
 mod plane_optimal;
 mod psm;
 mod region;
 mod scene_optimal;
+mod separating_plane;
 mod split;
 mod tsm;
 
-pub use params::{AreaOver, SolverParams};
+pub use params::{AreaOver, CascadeFit, CascadeSplit, PerspectiveMethod, SolverParams};
 pub use region::{Prediction, Region, Report};
 
 use crate::fit::{Aspect, Shape};
 use crate::math::{Bounds, LightSpaceError};
 use crate::samples::EdgePoint;
 use crate::scene::{Camera, Film, Light};
-use glam::DVec3;
+use glam::{DVec3, DVec4};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -54,6 +59,20 @@ pub enum Method {
     PlaneOptimal,
     /// Film areas and map areas as equal as can be, over samples or a model of them.
     HomographyArea,
+    /// A focused map and a perspective one, apart where the two sample alike: on one plane through the light.
+    SeparatingPlane,
+    /// Cascades: the view in ranges of depth, a map for each.
+    Cascades,
+    /// The faces of the view frustum, a map for each: side faces with a warp, end faces without.
+    Faces,
+    /// `lixel` with up to `solver.maps` maps: the cover split by planes where that lowers the error at equal texels most.
+    Partitioned,
+    /// Quadtree tiles of the light plane, finer where pixels are, with equal texels.
+    Adaptive,
+    /// Quadtree tiles of the light plane, finer where shadow edges are, with texels by what their edges cost.
+    Edges,
+    /// No map: exact visibility at every pixel, as an irregular z-buffer gives it. For comparison only.
+    Irregular,
 }
 
 /// What a method gets: one light in one frame.
@@ -71,6 +90,9 @@ pub struct Inputs<'a> {
     pub edges: &'a [EdgePoint],
     /// Scene points that the maps have to hold.
     pub covered: &'a [DVec3],
+    /// Half-spaces (n, d), inside where n·p + d ≥ 0, that cut the view frustum: what of it one map of several answers
+    /// for. None for a whole light.
+    pub clip: &'a [DVec4],
     /// Texels to spend, for metrics that do not scale with them.
     pub texels: f64,
     /// Width over height.
@@ -86,6 +108,9 @@ pub struct Inputs<'a> {
 /// Why a method gives no map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Inapplicable {
+    /// Irregular z-buffers.
+    #[error("exact visibility at every pixel has no map: \"irregular\" takes part in comparisons only")]
+    NoMap,
     /// No point is covered.
     #[error("nothing to cover")]
     Empty,
@@ -133,6 +158,15 @@ pub enum Inapplicable {
     /// Eq. 12: α (C - X) + (1 - α) (L - X) = 0.
     #[error("the normal between camera and light vanishes: they stand on opposite sides of the cover")]
     VanishingNormal,
+    /// Cascades: no logarithm of the near end.
+    #[error("a logarithmic split needs a view that begins in front of a perspective camera; take \"uniform\"")]
+    NoLogarithmicSplit,
+    /// Cascades: a snapped map of a lamp.
+    #[error("stable cascades need parallel light: the texels of a lamp's map are of different sizes")]
+    StableNeedsParallelLight,
+    /// Faces: every face is seen from inside.
+    #[error("the light stands inside the view, whose faces have no side towards it")]
+    LightAmongFaces,
 }
 
 impl From<LightSpaceError> for Inapplicable {
@@ -147,16 +181,26 @@ impl From<LightSpaceError> for Inapplicable {
 /// The maps of one light in one frame. The first region whose domain holds a point answers; together they hold every
 /// covered point.
 pub fn solve(method: Method, inputs: &Inputs) -> Result<Vec<Region>, Inapplicable> {
-    let regions = split::by_cube_faces(inputs, |region_inputs, axis| match method {
-        Method::Lixel => lixel::solve(region_inputs, axis),
-        Method::SceneOptimal => scene_optimal::solve(region_inputs, axis),
-        Method::Normal => normal::solve(region_inputs, axis),
-        Method::Focused => focused::solve(region_inputs, axis),
-        Method::Psm => psm::solve(region_inputs, axis),
-        Method::Tsm => tsm::solve(region_inputs, axis),
-        Method::Lispsm => lispsm::solve(region_inputs, axis),
-        Method::PlaneOptimal => plane_optimal::solve(region_inputs, axis),
-        Method::HomographyArea => homography_area::solve(region_inputs, axis),
+    let regions = split::by_cube_faces(inputs, |given, axis| {
+        let single = match method {
+            Method::Irregular => return Err(Inapplicable::NoMap),
+            Method::Partitioned => return partitioned::solve(given, axis),
+            Method::Adaptive => return adaptive::solve(given, axis, adaptive::Level::Footprint),
+            Method::Edges => return adaptive::solve(given, axis, adaptive::Level::Edges),
+            Method::SeparatingPlane => return separating_plane::solve(given, axis),
+            Method::Cascades => return cascades::solve(given, axis),
+            Method::Faces => return faces::solve(given, axis),
+            Method::Lixel => lixel::solve,
+            Method::SceneOptimal => scene_optimal::solve,
+            Method::Normal => normal::solve,
+            Method::Focused => focused::solve,
+            Method::Psm => psm::solve,
+            Method::Tsm => tsm::solve,
+            Method::Lispsm => lispsm::solve,
+            Method::PlaneOptimal => plane_optimal::solve,
+            Method::HomographyArea => homography_area::solve,
+        };
+        single(given, axis).map(|region| vec![region])
     })?;
     if inputs.covered.iter().all(|p| held(&regions, *p)) { Ok(regions) } else { Err(Inapplicable::CoveredBehindLight) }
 }

@@ -25,6 +25,10 @@ pub struct SolverParams {
     /// Rounds of choosing between maps by measured error, each among eight neighbours of the best map so far, before the
     /// first of which the other metrics' and methods' answers are measured too. 0 = trust the metric. At most 20.
     pub measured_rounds: u32,
+    /// `partitioned`: most maps of a light (of each cube face, for a light among the geometry), 1 to 64.
+    pub maps: u32,
+    /// `adaptive`, `edges`: most tiles of a light (of each cube face), 1 to 1024.
+    pub tiles: u32,
     /// `psm`: the camera slides back until the plane at infinity lies at this depth or deeper, in the post-perspective
     /// depth of its view, where 0 is near and 1 is far; at least 1. 1 = never.
     pub psm_infinity: f64,
@@ -38,6 +42,61 @@ pub struct SolverParams {
     pub plane: Option<[f64; 4]>,
     /// `homography-area`: over what the areas are compared.
     pub area: AreaOver,
+    /// `separating-plane`: the map beside the focused one.
+    pub separating_map: PerspectiveMethod,
+    /// `separating-plane`: 1 = both maps around the whole view; each further iteration fits each map to its own side of
+    /// the plane, and but for the last one the plane to the maps. 1 to 100.
+    pub separating_iterations: u32,
+    /// `cascades`: number of depth ranges, 1 to 16. One that holds nothing to cover gets no map.
+    pub cascade_count: u32,
+    /// `cascades`: where the depth ranges end.
+    pub cascade_split: CascadeSplit,
+    /// `cascades`: part of the logarithmic split in `cascade_split = "blend"`, in [0, 1].
+    pub cascade_blend: f64,
+    /// `cascades`: the map of a range.
+    pub cascade_fit: CascadeFit,
+}
+
+/// `solver.separating_map`: the map that shares a light with a focused one.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum PerspectiveMethod {
+    /// As the method `psm`.
+    Psm,
+    /// As the method `tsm`.
+    Tsm,
+    /// As the method `lispsm`.
+    #[default]
+    Lispsm,
+}
+
+/// `solver.cascade_split`: where cascades end, from the near end n of the view to its far end f.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum CascadeSplit {
+    /// n + (f - n) i / m.
+    Uniform,
+    /// n (f / n)^(i / m).
+    Log,
+    /// Between the two, by `cascade_blend`.
+    #[default]
+    Blend,
+    /// Logarithmic between the nearest and the farthest covered point, each map around the covered points of its range
+    /// alone.
+    Samples,
+}
+
+/// `solver.cascade_fit`: the map of a cascade.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum CascadeFit {
+    /// The smallest rectangle around its part of the view.
+    #[default]
+    Plain,
+    /// A square of a size that does not change as the camera turns, on a grid that does not move: texels stand still.
+    Stable,
+    /// As the method `lispsm` for its part of the view.
+    Warped,
 }
 
 /// `solver.area`: over what `homography-area` compares areas.
@@ -70,11 +129,19 @@ impl Default for SolverParams {
             tolerance: 0.001,
             effort: Effort::default(),
             measured_rounds: 2,
+            maps: 4,
+            tiles: 32,
             psm_infinity: 1.5,
             tsm_depth: 0.52,
             tsm_focus: 0.8,
             plane: None,
             area: AreaOver::default(),
+            separating_map: PerspectiveMethod::default(),
+            separating_iterations: 20,
+            cascade_count: 4,
+            cascade_split: CascadeSplit::default(),
+            cascade_blend: 0.5,
+            cascade_fit: CascadeFit::default(),
         }
     }
 }

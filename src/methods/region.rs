@@ -1,9 +1,10 @@
 //! What a method returns.
 
-use super::plane::Plane;
+use super::plane::{Plane, edge_samples};
 use crate::fit::Termination;
 use crate::math::{Domain, LightSpace};
 use crate::metric::{Metric, TexelRows, cost, inverse_jacobian_norm2};
+use crate::samples::EdgePoint;
 use glam::{DMat3, DVec3};
 use std::sync::Arc;
 
@@ -37,6 +38,9 @@ pub struct Region {
     pub h: DMat3,
     /// Width over height in texels.
     pub aspect: f64,
+    /// Share of the light's texels that the method gives this map, relative to its other maps'. `None` = by what its
+    /// edges cost. All regions of a light have one or none has.
+    pub share: Option<f64>,
     /// How it was found.
     pub report: Report,
     /// What it was fitted to.
@@ -58,7 +62,7 @@ impl Region {
     /// From rows on normalised q that take the covered hull to the unit square.
     pub(super) fn new(plane: Plane, rows: [DVec3; 3], aspect: f64, report: Report) -> Region {
         let h = homography(&plane, &rows);
-        Region { domain: Domain::All, space: plane.space, h, aspect, report, plane: Arc::new(plane), rows }
+        Region { domain: Domain::All, space: plane.space, h, aspect, share: None, report, plane: Arc::new(plane), rows }
     }
 
     /// Whether a scene point lies in front of the light and inside the map. The domain is not asked.
@@ -92,6 +96,18 @@ impl Region {
             misclassified: cost(&self.plane.samples, Metric::Saturating, &rows),
             unsaturated: cost(&self.plane.samples, Metric::Displacement, &rows),
         }
+    }
+
+    /// Expected wrong pixels that each of some edges accounts for in a map of `texels` texels.
+    pub(super) fn costs_at(&self, edges: &[EdgePoint], texels: f64) -> Vec<f64> {
+        let rows = self.texel_rows(texels);
+        edges
+            .iter()
+            .map(|edge| {
+                let (samples, _) = edge_samples(&[*edge], 1, &self.space, &self.plane.normalisation);
+                cost(&samples, Metric::Saturating, &rows)
+            })
+            .collect()
     }
 
     /// Largest edge displacement, pixels, of each sample with its edge length, for a map of `texels` texels.

@@ -55,7 +55,9 @@ impl Default for Conventions {
             directions: words(
                 "direction is the way light travels, unit; rotation is a quaternion x, y, z, w that takes light-camera axes (right, up, backward) to the world",
             ),
-            domains: words("maps are in order: the first whose domain holds the point answers"),
+            domains: words(
+                "maps are in order: the first whose domain holds the point answers; domain tests in f64, sums of products from left to right as written, each operation rounded, borders where the schema puts them",
+            ),
             outside: words(
                 "test w before dividing: w <= 0, or u or v outside [0, 1), is outside; a point outside, or in no domain, is job.map.outside",
             ),

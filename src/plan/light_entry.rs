@@ -1,10 +1,9 @@
 //! One light of one frame: from rays to an entry of the plan.
 
-use super::map_entry::{Seen, map_entry};
+use super::map_entry::{Chosen, Seen, map_entry};
 use super::{LightError, LightPlan, Measured, PlanError, Predicted, SolverReport, Status, Tried};
-use crate::depth::Visible;
 use crate::job::Job;
-use crate::math::Bounds;
+use crate::math::{Bounds, first_holding};
 use crate::measure::{EDGE_ON_DEGREES, Outside, Receivers};
 use crate::resolution::{
     Bound, Certified, FilmQuestion, FittedLight, Judge, JudgedMap, Measure, certify, fit_light, polish, predict_only,
@@ -118,9 +117,7 @@ fn settle(
         }
         _ => {
             let receivers: Vec<_> = seen.iter().map(|s| s.position).collect();
-            let visible = Visible::new(&receivers);
-            let map = |r: &crate::methods::Region| JudgedMap::new(r.clone(), stage.tracer, &visible);
-            match fitted.regions.iter().map(map).collect::<Result<Vec<_>, _>>() {
+            match JudgedMap::of_all(&fitted.regions, stage.tracer, &receivers) {
                 Ok(maps) => (maps, predict_only(&question, &fitted)),
                 Err(reason) => {
                     (entry.status, entry.reason) = (Status::Inapplicable, Some(reason.to_string()));
@@ -129,10 +126,13 @@ fn settle(
             }
         }
     };
-    entry.maps = maps
-        .iter()
-        .zip(&certified.sizes)
-        .map(|(map, size)| map_entry(map, job.solver.method, *size, &certified.bias, light, stage.tracer, &seen))
+    let answering = |point| first_holding(maps.iter().map(|m| &m.region.domain), point);
+    entry.maps = (0..maps.len())
+        .map(|k| {
+            let answers = |point| answering(point) == Some(k);
+            let chosen = Chosen { method: job.solver.method, size: certified.sizes[k], bias: certified.bias };
+            map_entry(&maps[k], &chosen, light, stage.tracer, &seen, answers)
+        })
         .collect();
     entry.status = if certified.met { Status::Planned } else { Status::NotMet };
     if !certified.met {

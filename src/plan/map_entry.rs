@@ -1,9 +1,9 @@
 //! One map of a plan, from what was fitted and certified.
 
 use super::light_camera::light_camera;
-use super::{CubeFace, Domain, MapBias, MapPlan, Witness};
+use super::{MapBias, MapPlan, Witness, domain};
 use crate::depth::bias_units;
-use crate::math::{self, rows_of};
+use crate::math::rows_of;
 use crate::methods::Method;
 use crate::raster::Bias;
 use crate::resolution::JudgedMap;
@@ -19,30 +19,34 @@ pub(super) struct Seen {
     pub(super) shadowed: bool,
 }
 
-/// Writes the entry of a map. `seen` are visible points of the light, a few thousand are enough.
+/// What was chosen for a map besides its matrix.
+pub(super) struct Chosen {
+    pub(super) method: Method,
+    pub(super) size: [u32; 2],
+    pub(super) bias: Bias,
+}
+
+/// Writes the entry of a map. `seen` are visible points of the light, a few thousand are enough; `answers` says whether
+/// this is the map that a point looks up.
 pub(super) fn map_entry(
     map: &JudgedMap,
-    method: Method,
-    size: [u32; 2],
-    bias: &Bias,
+    &Chosen { method, size, bias }: &Chosen,
     light: &Light,
     tracer: &Tracer,
     seen: &[Seen],
+    answers: impl Fn(DVec3) -> bool,
 ) -> MapPlan {
     let m = &map.clip_from_scene;
-    let inside: Vec<Seen> = seen
-        .iter()
-        .copied()
-        .filter(|s| map.region.domain.holds(s.position) && uv_of(m, s.position).is_some_and(|(uv, _)| in_unit(uv)))
-        .collect();
-    let units = bias_units(m, size, light, bias, inside.iter().map(|s| (s.position, s.normal)));
+    let looked_up = |p: DVec3| answers(p) && uv_of(m, p).is_some_and(|(uv, _)| in_unit(uv));
+    let inside: Vec<Seen> = seen.iter().copied().filter(|s| looked_up(s.position)).collect();
+    let units = bias_units(m, size, light, &bias, inside.iter().map(|s| (s.position, s.normal)));
     let (light_camera, light_camera_reason) = match light_camera(&map.region, m) {
         Ok(camera) => (Some(camera), None),
         Err(reason) => (None, Some(reason)),
     };
     MapPlan {
         method,
-        domain: domain(&map.region.domain),
+        domain: domain::written(&map.region.domain),
         clip_from_world: rows_of(m),
         width: size[0],
         height: size[1],
@@ -57,26 +61,8 @@ pub(super) fn map_entry(
         },
         light_camera,
         light_camera_reason,
-        witnesses: witnesses(m, light, tracer, &inside),
+        witnesses: witnesses(m, light, tracer, &inside, &answers),
         f32_roundtrip_texels: f32_roundtrip(m, size, &inside),
-    }
-}
-
-fn domain(domain: &math::Domain) -> Domain {
-    match *domain {
-        math::Domain::All => Domain::All,
-        math::Domain::CubeFace { position, axes, axis, positive } => {
-            const FACES: [[CubeFace; 2]; 3] = [
-                [CubeFace::NegativeX, CubeFace::PositiveX],
-                [CubeFace::NegativeY, CubeFace::PositiveY],
-                [CubeFace::NegativeZ, CubeFace::PositiveZ],
-            ];
-            Domain::CubeFace {
-                position: position.to_array(),
-                axes: axes.map(|a| a.to_array()),
-                face: FACES[axis][usize::from(positive)],
-            }
-        }
     }
 }
 
@@ -95,7 +81,13 @@ fn in_unit(uv: DVec2) -> bool {
 
 /// Extremes of the seen points in eight directions, and two of them lifted towards the light, so that the set is not flat
 /// even over a flat floor.
-fn witnesses(m: &DMat4, light: &Light, tracer: &Tracer, inside: &[Seen]) -> Vec<Witness> {
+fn witnesses(
+    m: &DMat4,
+    light: &Light,
+    tracer: &Tracer,
+    inside: &[Seen],
+    answers: &impl Fn(DVec3) -> bool,
+) -> Vec<Witness> {
     let Some(first) = inside.first() else { return Vec::new() };
     let mut chosen: Vec<(DVec3, bool)> = Vec::new();
     let mut add = |position: DVec3, shadowed: bool| {
@@ -115,13 +107,14 @@ fn witnesses(m: &DMat4, light: &Light, tracer: &Tracer, inside: &[Seen]) -> Vec<
             add(s.position, s.shadowed);
         }
     }
-    // Lifted by halving steps until it still lies in the map's depth range.
+    // Lifted by halving steps until it still lies in the map's depth range and looks the map up.
     for s in [first, &inside[inside.len() / 2], &inside[inside.len() - 1]] {
         let towards = light.towards(s.position);
         let reach = if light.position().is_some() { 0.5 } else { inside_extent(inside) };
         for halving in 0..8 {
             let lifted = s.position + towards * (reach * 0.5_f64.powi(halving));
-            if uv_of(m, lifted).is_some_and(|(uv, depth)| in_unit(uv) && (0.0..=1.0).contains(&depth)) {
+            let in_range = uv_of(m, lifted).is_some_and(|(uv, depth)| in_unit(uv) && (0.0..=1.0).contains(&depth));
+            if in_range && answers(lifted) {
                 let end = if light.position().is_some() { 1.0 } else { f64::INFINITY };
                 add(lifted, tracer.occluded(lifted, light.towards(lifted), 0.0, end));
                 break;

@@ -1,6 +1,7 @@
 //! The plan: the versioned result of planning a shot, its JSON and TOML files, and checking one later.
 
 mod conventions;
+mod domain;
 mod error;
 mod inputs;
 mod json;

@@ -3,10 +3,8 @@
 //!
 //! Nothing of samples, metric, fit or methods is used: what judges a plan shares none of what chose it.
 
-use glam::DVec3;
-
-use super::{CubeFace, Domain, MapPlan};
-use crate::math::{self, matrix_from_rows};
+use super::{MapPlan, domain};
+use crate::math::matrix_from_rows;
 use crate::measure::{Certainty, Drawn, Outside, Receivers, Verdict, wrong};
 use crate::raster::{Bias, RasterError, draw};
 use crate::scene::{Camera, Light};
@@ -56,23 +54,5 @@ fn draw_map(tracer: &Tracer, map: &MapPlan) -> Result<Drawn, RasterError> {
     let bias =
         Bias { constant: map.bias.constant, slope: map.bias.slope, clamp: map.bias.clamp.unwrap_or(f64::INFINITY) };
     let depth = draw(tracer.geometry(), &clip_from_scene, map.width, map.height, bias)?;
-    Ok(Drawn { domain: domain(&map.domain), clip_from_scene, map: depth })
-}
-
-/// A plan's domain as a predicate.
-pub(super) fn domain(domain: &Domain) -> math::Domain {
-    match *domain {
-        Domain::All => math::Domain::All,
-        Domain::CubeFace { position, axes, face } => {
-            let (axis, positive) = match face {
-                CubeFace::PositiveX => (0, true),
-                CubeFace::NegativeX => (0, false),
-                CubeFace::PositiveY => (1, true),
-                CubeFace::NegativeY => (1, false),
-                CubeFace::PositiveZ => (2, true),
-                CubeFace::NegativeZ => (2, false),
-            };
-            math::Domain::CubeFace { position: position.into(), axes: axes.map(DVec3::from), axis, positive }
-        }
-    }
+    Ok(Drawn { domain: domain::read(&map.domain), clip_from_scene, map: depth })
 }

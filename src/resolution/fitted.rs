@@ -1,7 +1,7 @@
 //! The matrices of one light: fitted to the planning grid's edges, widened until they hold every film pixel that needs
 //! them.
 
-use super::{AspectRule, Bound, MapParams, QualityParams};
+use super::{AspectRule, Bound, MapParams, QualityParams, shares};
 use crate::fit::Aspect;
 use crate::math::Bounds;
 use crate::measure::{Outside, Receivers};
@@ -64,6 +64,7 @@ impl<'a> FilmQuestion<'a> {
             bounds: self.bounds,
             edges: &samples.edges,
             covered,
+            clip: &[],
             texels,
             aspect: match self.map.aspect {
                 AspectRule::Free if !self.map.square => Aspect::Free,
@@ -127,18 +128,6 @@ pub fn fit_light(
     }
     let shares = shares(&regions);
     Ok(FittedLight { regions, shares, texels, evaluations, joined, covered })
-}
-
-/// The best split of a budget: in proportion to c^(2/3), c the error at unit budget (math note §6).
-pub fn shares(regions: &[Region]) -> Vec<f64> {
-    let parts: Vec<f64> =
-        regions.iter().map(|r| r.predict(FIRST_TEXELS).unsaturated.max(f64::MIN_POSITIVE).powf(2.0 / 3.0)).collect();
-    let sum: f64 = parts.iter().sum();
-    // A map without edges still needs texels: a hundredth of an even share.
-    let least = 0.01 / regions.len() as f64;
-    let floored: Vec<f64> = parts.iter().map(|p| (p / sum).max(least)).collect();
-    let total: f64 = floored.iter().sum();
-    floored.iter().map(|p| p / total).collect()
 }
 
 /// The prediction of all regions at a number of texels in all.

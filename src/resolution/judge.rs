@@ -2,11 +2,13 @@
 
 use super::{Bound, FilmQuestion, FittedLight, QualityParams};
 use crate::depth::{DepthError, DepthRow, Kept, Visible, fit_row};
+use crate::math::first_holding;
 use crate::measure::{Certainty, Drawn, Receivers, Verdict, edge_distance, fewer_wrong, footprint, wrong};
 use crate::methods::Region;
 use crate::raster::{Bias, Canvas, RasterError};
 use crate::visibility::{RayOffset, Tracer, View};
-use glam::{DMat4, DVec4};
+use glam::{DMat4, DVec3, DVec4};
+use std::borrow::Cow;
 
 /// Everything needed to judge one light's maps at any size.
 pub struct Judge<'a> {
@@ -14,7 +16,6 @@ pub struct Judge<'a> {
     view: &'a View,
     question: &'a FilmQuestion<'a>,
     receivers: &'a Receivers,
-    visible: Visible<'a>,
     /// Matrices and depth ranges, in the order of the regions.
     pub maps: Vec<JudgedMap>,
     /// Scratch of drawing.
@@ -38,6 +39,27 @@ pub struct JudgedMap {
 }
 
 impl JudgedMap {
+    /// The matrices of all regions of a light; each receiver counts for the region that answers for it.
+    ///
+    /// # Errors
+    /// [`DepthError`]: nothing visible looks a map up, or it has no finite depth row.
+    pub fn of_all(regions: &[Region], tracer: &Tracer, receivers: &[DVec3]) -> Result<Vec<JudgedMap>, DepthError> {
+        if let [region] = regions {
+            return Ok(vec![JudgedMap::new(region.clone(), tracer, &Visible::new(receivers))?]);
+        }
+        let mut own = vec![Vec::new(); regions.len()];
+        for point in receivers {
+            if let Some(k) = first_holding(regions.iter().map(|r| &r.domain), *point) {
+                own[k].push(*point);
+            }
+        }
+        regions
+            .iter()
+            .zip(own)
+            .map(|(region, own)| JudgedMap::new(region.clone(), tracer, &Visible::new(&own)))
+            .collect()
+    }
+
     /// The matrix of a region with the depth row that holds what is visible and its casters.
     ///
     /// # Errors
@@ -71,16 +93,13 @@ impl<'a> Judge<'a> {
         receivers: &'a Receivers,
         offset: RayOffset,
     ) -> Result<Judge<'a>, DepthError> {
-        let visible = Visible::new(&receivers.positions);
-        let new = |region: &Region| JudgedMap::new(region.clone(), tracer, &visible);
-        let maps = fitted.regions.iter().map(new).collect::<Result<_, _>>()?;
+        let maps = JudgedMap::of_all(&fitted.regions, tracer, &receivers.positions)?;
         let certainty = Certainty::new(tracer, view, question.camera, question.light, receivers, offset);
         Ok(Judge {
             tracer,
             view,
             question,
             receivers,
-            visible,
             maps,
             canvas: Canvas::default(),
             certainty,
@@ -89,36 +108,62 @@ impl<'a> Judge<'a> {
         })
     }
 
-    /// The matrix of a region over the same receivers.
-    pub fn judged(&self, region: &Region) -> Result<JudgedMap, DepthError> {
-        JudgedMap::new(region.clone(), self.tracer, &self.visible)
+    /// For each map the receivers that look it up, in the order of the film.
+    pub fn own_receivers(&self) -> Vec<Cow<'a, Receivers>> {
+        if self.maps.len() == 1 {
+            return vec![Cow::Borrowed(self.receivers)];
+        }
+        let mut own = vec![Receivers::default(); self.maps.len()];
+        for (i, point) in self.receivers.positions.iter().enumerate() {
+            if let Some(k) = first_holding(self.maps.iter().map(|m| &m.region.domain), *point) {
+                own[k].pixels.push(self.receivers.pixels[i]);
+                own[k].positions.push(*point);
+                own[k].shadowed.push(self.receivers.shadowed[i]);
+            }
+        }
+        own.into_iter().map(Cow::Owned).collect()
+    }
+
+    /// The matrix of a region over some visible points.
+    ///
+    /// # Errors
+    /// [`DepthError`], as [`JudgedMap::new`].
+    pub fn judged(&self, region: &Region, visible: &Visible) -> Result<JudgedMap, DepthError> {
+        JudgedMap::new(region.clone(), self.tracer, visible)
+    }
+
+    /// How many of its own receivers one map answers wrongly, if fewer than `limit`.
+    pub fn fewer_wrong(
+        &mut self,
+        map: &JudgedMap,
+        size: [u32; 2],
+        bias: Bias,
+        own: &Receivers,
+        limit: u64,
+    ) -> Result<Option<u64>, RasterError> {
+        let drawn = self.drawn(map, size, bias)?;
+        Ok(fewer_wrong(own, &[drawn], self.question.map.outside, limit))
+    }
+
+    fn drawn(&mut self, map: &JudgedMap, [width, height]: [u32; 2], bias: Bias) -> Result<Drawn, RasterError> {
+        let counts = self.canvas.draw(self.tracer.geometry(), &map.clip_from_scene, width, height, bias, |_| true)?;
+        self.texels_drawn += u64::from(width) * u64::from(height);
+        self.triangles_drawn += counts.drawn;
+        let depth = std::mem::take(&mut self.canvas.map);
+        Ok(Drawn { domain: map.region.domain.clone(), clip_from_scene: map.clip_from_scene, map: depth })
     }
 
     /// Draws all maps at sizes with a bias.
     pub fn draw(&mut self, sizes: &[[u32; 2]], bias: Bias) -> Result<Vec<Drawn>, RasterError> {
-        let mut drawn = Vec::with_capacity(self.maps.len());
-        for (map, [width, height]) in self.maps.iter().zip(sizes) {
-            let counts =
-                self.canvas.draw(self.tracer.geometry(), &map.clip_from_scene, *width, *height, bias, |_| true)?;
-            self.texels_drawn += u64::from(*width) * u64::from(*height);
-            self.triangles_drawn += counts.drawn;
-            drawn.push(Drawn {
-                domain: map.region.domain,
-                clip_from_scene: map.clip_from_scene,
-                map: std::mem::take(&mut self.canvas.map),
-            });
-        }
-        Ok(drawn)
+        let maps = std::mem::take(&mut self.maps);
+        let drawn = maps.iter().zip(sizes).map(|(map, size)| self.drawn(map, *size, bias)).collect();
+        self.maps = maps;
+        drawn
     }
 
     /// Receivers answered wrongly by drawn maps.
     pub fn wrong(&self, drawn: &[Drawn]) -> Vec<u32> {
         wrong(self.receivers, drawn, self.question.map.outside)
-    }
-
-    /// How many receivers drawn maps answer wrongly, if fewer than `limit`.
-    pub fn fewer_wrong(&self, drawn: &[Drawn], limit: u64) -> Option<u64> {
-        fewer_wrong(self.receivers, drawn, self.question.map.outside, limit)
     }
 
     /// The measured value of a bound at a quantile, pixels: edge distance, or texel footprint.

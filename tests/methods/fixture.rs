@@ -43,6 +43,7 @@ impl Setup {
             bounds: self.bounds,
             edges: &self.edges,
             covered: &self.covered,
+            clip: &[],
             texels: self.texels,
             aspect: self.aspect,
             shape: Shape::Projective,

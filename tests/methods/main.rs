@@ -5,4 +5,5 @@
 mod fixture;
 mod papers;
 mod properties;
+mod several;
 mod sweep;

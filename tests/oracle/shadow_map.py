@@ -81,6 +81,13 @@ def triangle_bias(clip, width, height, bias):
     return bias["constant"] + np.minimum(bias["slope"] * steepest, np.inf if clamp is None else clamp)
 
 
+def row_at(row, points):
+    """a x + b y + c z + d from left to right, each operation rounded: borders fall where the planner has them."""
+    a, b, c, d = row
+    x, y, z = points.T
+    return a * x + b * y + c * z + d
+
+
 def in_domain(points, domain):
     if domain["kind"] == "all":
         return np.ones(len(points), bool)
@@ -91,6 +98,27 @@ def in_domain(points, domain):
         negative = p[np.arange(len(p)), axis] < 0
         sign, name = domain["face"]
         return (axis == "xyz".index(name)) & (negative == (sign == "-"))
+    if domain["kind"] == "half-space":
+        return row_at(domain["plane"], points) >= 0
+    if domain["kind"] == "view-depth":
+        x, y, z = (points - np.array(domain["position"], float)).T
+        forward = domain["forward"]
+        depth = forward[0] * x + forward[1] * y + forward[2] * z
+        return (depth >= domain.get("from", -np.inf)) & (depth < domain.get("to", np.inf))
+    if domain["kind"] == "light-plane-rectangle":
+        x, y, w = (row_at(row, points) for row in domain["plane_from_world"])
+        in_front = w > 0
+        w = np.where(in_front, w, 1.0)
+        (x_min, y_min), (x_max, y_max) = domain["min"], domain["max"]
+        return in_front & (x / w >= x_min) & (y / w >= y_min) & (x / w < x_max) & (y / w < y_max)
+    if domain["kind"] == "light-plane-polygon":
+        x, y, w = (row_at(row, points) for row in domain["plane_from_world"])
+        inside = w > 0
+        for a, b, c in domain["sides"]:
+            inside &= a * x + b * y + c * w >= 0
+        return inside
+    if domain["kind"] == "intersection":
+        return np.logical_and.reduce([in_domain(points, part) for part in domain["of"]])
     raise SystemExit(f"the domain kind {domain['kind']!r} is not known here")
 
 

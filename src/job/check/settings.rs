@@ -77,6 +77,8 @@ pub(super) fn solver(solver: &SolverParams) -> Result<(), Problem> {
     require(solver.rounds <= 100, "solver.rounds", solver.rounds, "0 to 100")?;
     let tolerance = solver.tolerance;
     require(tolerance > 0.0 && tolerance <= 1.0, "solver.tolerance", tolerance, "above 0 and at most 1")?;
+    require((1..=64).contains(&solver.maps), "solver.maps", solver.maps, "1 to 64")?;
+    require((1..=1024).contains(&solver.tiles), "solver.tiles", solver.tiles, "1 to 1024")?;
     let infinity = solver.psm_infinity;
     require(infinity >= 1.0 && infinity.is_finite(), "solver.psm_infinity", infinity, "a finite number of at least 1")?;
     for (key, share) in [("solver.tsm_depth", solver.tsm_depth), ("solver.tsm_focus", solver.tsm_focus)] {

@@ -5,7 +5,7 @@ use glam::DVec2;
 use super::super::MapPlan;
 use super::super::map_entry::uv_of;
 use super::super::remeasure::Remeasured;
-use crate::math::convex_hull;
+use crate::math::{convex_hull, first_holding};
 use crate::picture::{Channel, Colour, Picture, mix, scaled};
 use crate::raster::{DepthMap, FAR};
 
@@ -40,7 +40,7 @@ pub(super) fn depth_view(map: &MapPlan, k: usize, measured: &Remeasured) -> Pict
     let mut covered = Vec::new();
     for wanted in [false, true] {
         for (point, shadowed) in receivers.positions.iter().zip(&receivers.shadowed) {
-            if *shadowed != wanted || measured.drawn.iter().position(|d| d.domain.holds(*point)) != Some(k) {
+            if *shadowed != wanted || first_holding(measured.drawn.iter().map(|d| &d.domain), *point) != Some(k) {
                 continue;
             }
             let Some((uv, _)) = uv_of(&drawn.clip_from_scene, *point) else { continue };

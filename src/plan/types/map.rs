@@ -50,6 +50,48 @@ impl MapPlan {
 pub enum Domain {
     /// Every point.
     All,
+    /// Points on one side of a plane, those on it included.
+    HalfSpace {
+        /// a, b, c, d: a point x, y, z relative to the origin belongs here when a * x + b * y + c * z + d >= 0.
+        plane: [f64; 4],
+    },
+    /// Points within a range of depth along the view axis of a camera. With p = forward * (point - position), a dot
+    /// product, a point belongs here when from <= p and p < to.
+    ViewDepth {
+        /// The camera, relative to the origin, metres.
+        position: [f64; 3],
+        /// The way it looks, unit.
+        forward: [f64; 3],
+        /// Metres; absent = no lower end.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        from: Option<f64>,
+        /// Metres; absent = no upper end.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        to: Option<f64>,
+    },
+    /// Points in a rectangle of the light's image plane. With (x, y, w) = plane_from_world * (point, 1), a point belongs
+    /// here when w > 0 and min <= (x / w, y / w) and (x / w, y / w) < max, in both coordinates.
+    LightPlaneRectangle {
+        /// 3 rows of 4; the point is relative to the origin.
+        plane_from_world: [[f64; 4]; 3],
+        /// Smallest x / w and y / w.
+        min: [f64; 2],
+        /// Past the largest x / w and y / w.
+        max: [f64; 2],
+    },
+    /// Points in a convex polygon, bounded or not, of the light's image plane. With (x, y, w) = plane_from_world *
+    /// (point, 1), a point belongs here when w > 0 and a * x + b * y + c * w >= 0 for each side.
+    LightPlanePolygon {
+        /// 3 rows of 4; the point is relative to the origin.
+        plane_from_world: [[f64; 4]; 3],
+        /// a, b, c of each side.
+        sides: Vec<[f64; 3]>,
+    },
+    /// Points that belong to every one of several domains.
+    Intersection {
+        /// The domains.
+        of: Vec<Domain>,
+    },
     /// Points in one pyramid of the six around a point or spot light.
     CubeFace {
         /// Apex, relative to the origin, metres.

@@ -4,9 +4,11 @@ use super::super::remeasure::{Remeasured, Seeing, remeasure};
 use super::super::{LightPlan, Measured, Status, Tried};
 use super::{LightCheck, Outcome, claims, witness};
 use crate::job::Job;
+use crate::math::first_holding;
 use crate::measure::{EDGE_ON_DEGREES, Outside, Verdict};
 use crate::resolution::{Bound, Measure};
 use crate::scene::Light;
+use glam::DVec3;
 
 /// Reasons listed in full; more are counted.
 const LISTED: usize = 3;
@@ -42,11 +44,13 @@ pub(super) fn check(seeing: &Seeing, frame: i64, entry: &LightPlan, light: &Ligh
     check.measured = measured.verdict.certain.wrong();
     check.uncertain = measured.verdict.uncertain;
     check.reasons.extend(status_faults(entry, &measured, job));
+    check.reasons.extend(domain_fault(&measured, job));
     check.reasons.extend(count_faults(seeing, entry, &measured.verdict, of_pixels, job));
     let faults: Vec<String> = entry
         .maps
         .iter()
-        .flat_map(|map| map.witnesses.iter().filter_map(|w| witness::fault(seeing, light, map, w)))
+        .enumerate()
+        .flat_map(|(k, map)| map.witnesses.iter().filter_map(move |w| witness::fault(seeing, light, entry, k, w)))
         .collect();
     check.witnesses_held = check.witnesses - faults.len() as u64;
     let more = faults.len().saturating_sub(LISTED);
@@ -90,6 +94,18 @@ fn status_faults(entry: &LightPlan, measured: &Remeasured, job: &Job) -> Vec<Str
         faults.push(format!("error.met is {}, but the status is {:?}", error.met, entry.status));
     }
     faults
+}
+
+/// Together the domains hold every pixel whose answer is not that of `outside`, where the plan was made knowing the pixels.
+fn domain_fault(measured: &Remeasured, job: &Job) -> Option<String> {
+    let Remeasured { receivers, drawn, .. } = measured;
+    if drawn.is_empty() || job.quality.measure != Measure::Always {
+        return None;
+    }
+    let needs = job.map.outside == Outside::Lit;
+    let in_none = |point: DVec3| first_holding(drawn.iter().map(|d| &d.domain), point).is_none();
+    let left_out = receivers.positions_where(needs).into_iter().filter(|p| in_none(*p)).count();
+    (left_out > 0).then(|| format!("{left_out} pixels that need a map lie in no domain"))
 }
 
 /// Compares every measured number of the plan, and the certificate of the chosen size with the sizes tried.

@@ -9,8 +9,8 @@
 
 use glam::{DMat4, DVec3, DVec4};
 
-use super::super::remeasure::{Seeing, domain};
-use super::super::{MapPlan, Witness};
+use super::super::remeasure::Seeing;
+use super::super::{LightPlan, Witness, domain};
 use crate::math::matrix_from_rows;
 use crate::scene::Light;
 use crate::visibility::{Answer, answer};
@@ -19,11 +19,14 @@ use crate::visibility::{Answer, answer};
 /// viewport 4, twice.
 const ROUNDINGS: f64 = 24.0;
 
-/// What is wrong with a witness of a map.
-pub(super) fn fault(seeing: &Seeing, light: &Light, map: &MapPlan, witness: &Witness) -> Option<String> {
+/// What is wrong with a witness of map `k` of a light.
+pub(super) fn fault(seeing: &Seeing, light: &Light, entry: &LightPlan, k: usize, witness: &Witness) -> Option<String> {
     let point = DVec3::from(witness.world);
-    if !domain(&map.domain).holds(point) {
-        return Some(format!("witness {point} lies in another domain"));
+    let map = &entry.maps[k];
+    match entry.maps.iter().position(|m| domain::read(&m.domain).holds(point)) {
+        Some(first) if first == k => {}
+        Some(first) => return Some(format!("witness {point} of map {k} lies in the domain of map {first}")),
+        None => return Some(format!("witness {point} of map {k} lies in no domain")),
     }
     let told = [witness.uv[0], witness.uv[1], witness.depth];
     let Some((found, tolerance)) = window(&matrix_from_rows(&map.clip_from_world), point) else {
