@@ -74,6 +74,9 @@ pub struct MethodSummary {
     pub inapplicable: u64,
     /// Lights on which the bound was not met, when texels were searched.
     pub not_met: u64,
+    /// Quartiles and median over lights of the texels searched; a light on which the bound is not met needs more than any.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub texels: Option<[f64; 3]>,
     /// Mean seconds a light for the fit alone.
     pub solve_seconds: f64,
     /// Mean seconds a light for fit, drawing and counting.
@@ -135,6 +138,9 @@ pub fn summarise(comparison: &Comparison) -> Summary {
             edge_ratio: ratio(&pairs(&|r| Some(r.edge as f64))),
             inapplicable: method.inapplicable,
             not_met: rows().filter(|r| r.needed.is_some_and(|n| !n.met)).count() as u64,
+            texels: quartiles(
+                rows().filter_map(|r| r.needed).map(|n| if n.met { n.texels as f64 } else { f64::INFINITY }),
+            ),
             solve_seconds: method.per_light.iter().map(|r| r.solve_seconds).sum::<f64>() / compared,
             seconds: method.seconds,
             predicted: correlation(rows(), |r| r.predicted),
@@ -153,13 +159,15 @@ pub fn summarise(comparison: &Comparison) -> Summary {
 fn ratio(pairs: &[(f64, f64)]) -> Ratio {
     // A light without a wrong pixel by either method says nothing of their ratio; one without by the reference alone is
     // infinitely worse.
-    let mut own: Vec<f64> = pairs.iter().filter(|(a, b)| *a > 0.0 || *b > 0.0).map(|(a, b)| a / b).collect();
-    let mut at = |q: f64| quantile(&mut own, q).filter(|v| v.is_finite());
-    let quartiles = match (at(0.25), at(0.5), at(0.75)) {
-        (Some(a), Some(b), Some(c)) => Some([a, b, c]),
-        _ => None,
-    };
-    Ratio { of_sums: ratio_of_sums(pairs), interval: interval(pairs), quartiles }
+    let own = pairs.iter().filter(|(a, b)| *a > 0.0 || *b > 0.0).map(|(a, b)| a / b);
+    Ratio { of_sums: ratio_of_sums(pairs), interval: interval(pairs), quartiles: quartiles(own) }
+}
+
+/// Quartiles with the median between them; `None` where one is not finite.
+fn quartiles(values: impl Iterator<Item = f64>) -> Option<[f64; 3]> {
+    let mut values: Vec<f64> = values.collect();
+    let mut at = |q: f64| quantile(&mut values, q).filter(|v| v.is_finite());
+    Some([at(0.25)?, at(0.5)?, at(0.75)?])
 }
 
 fn correlation<'a>(

@@ -65,6 +65,22 @@ pub enum Method {
     Faces,
 }
 
+impl Method {
+    /// The keys of `[solver]` that are this method's alone.
+    pub fn own_settings(self) -> &'static [&'static str] {
+        match self {
+            Method::Lixel => &["metric", "effort"],
+            Method::Psm => &["psm_infinity"],
+            Method::Tsm => &["tsm_focus", "tsm_depth"],
+            Method::HomographyArea => &["area"],
+            Method::SeparatingPlane => &["separating_map", "separating_iterations"],
+            Method::Cascades => &["cascade_split", "cascade_fit", "cascade_count", "cascade_blend"],
+            Method::PlaneOptimal => &["plane"],
+            Method::Normal | Method::Focused | Method::SceneOptimal | Method::Lispsm | Method::Faces => &[],
+        }
+    }
+}
+
 /// What a method gets: one light in one frame.
 #[derive(Clone, Copy)]
 pub struct Inputs<'a> {
@@ -185,6 +201,9 @@ pub fn solve(method: Method, inputs: &Inputs) -> Result<Vec<Region>, Inapplicabl
         };
         single(given, axis).map(|region| vec![region])
     })?;
+    if regions.is_empty() {
+        return Err(Inapplicable::Empty);
+    }
     if inputs.covered.iter().all(|p| held(&regions, *p)) { Ok(regions) } else { Err(Inapplicable::CoveredBehindLight) }
 }
 

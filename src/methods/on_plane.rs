@@ -27,9 +27,7 @@ pub(super) fn film_rows(
 ) -> Result<[DVec3; 3], Inapplicable> {
     let camera = inputs.camera;
     let on_plane = match camera.projection {
-        Projection::Perspective { .. } => {
-            (n.dot(camera.position) + d).abs() <= OFF_PLANE * inputs.bounds.diagonal()
-        }
+        Projection::Perspective { .. } => (n.dot(camera.position) + d).abs() <= OFF_PLANE * inputs.bounds.diagonal(),
         Projection::Orthographic { .. } => n.dot(camera.forward()).abs() <= OFF_PLANE,
     };
     if on_plane {

@@ -4,5 +4,7 @@
 
 mod fixture;
 mod papers;
+mod permuted;
 mod properties;
+mod several;
 mod sweep;
