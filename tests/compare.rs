@@ -1,6 +1,6 @@
 //! Methods side by side on the courtyard: the counts hold together, threads decide nothing, files say what was measured.
 
-#![expect(clippy::unwrap_used, clippy::panic, reason = "a test that cannot be set up has failed")]
+#![expect(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
 
 use std::path::Path;
 use std::process::{Command, Output};
