@@ -210,7 +210,7 @@ fn side_faces_are_balanced() {
         let mut setup = overhead().with_direction(direction);
         let tan = HALF_FOV.tan();
         setup.covered = (0..2000)
-            .map(|k| f64::from(k))
+            .map(f64::from)
             .map(|k| {
                 let z = NEAR * (FAR / NEAR).powf((k * 0.328).fract());
                 let x = DVec2::new((k * 0.754_877_666).fract() - 0.5, (k * 0.569_840_291).fract() - 0.5) * 1.99 * tan;

@@ -162,8 +162,8 @@ fn the_cost_of_searches_has_no_jumps() {
         terms.sum::<f64>()
     };
     let wrong = |regions: &[Region]| regions[0].predict(setup.texels).misclassified;
-    let costs: [(Method, &dyn Fn(&[Region]) -> f64); 2] = [(Method::Lixel, &wrong), (Method::HomographyArea, &areas)];
-    for (method, cost) in costs {
+    type Cost<'a> = &'a dyn Fn(&[Region]) -> f64;
+    for (method, cost) in [(Method::Lixel, &wrong as Cost), (Method::HomographyArea, &areas as Cost)] {
         let mut last: Option<f64> = None;
         for k in -20..=20 {
             let cost = cost(&light(&setup, f64::from(k) * 0.01, 0.0).solve(method).unwrap());
