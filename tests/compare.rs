@@ -7,10 +7,11 @@ use std::process::{Command, Output};
 use std::sync::atomic::AtomicBool;
 
 use lixel::compare::{
-    BiasChoice, CompareParams, Comparison, Question, compare, csv, json, random_hemisphere, scatter, summarise, table,
+    BiasChoice, CompareParams, Comparison, Question, Variant, compare, csv, json, random_hemisphere, scatter,
+    summarise, table,
 };
 use lixel::job::LoadedJob;
-use lixel::methods::Method;
+use lixel::methods::{Method, SolverParams};
 use lixel::plan::{PlanError, Watch};
 
 const METHODS: [Method; 4] = [Method::SceneOptimal, Method::Lixel, Method::Normal, Method::Focused];
@@ -29,7 +30,9 @@ fn job(lights: u32) -> LoadedJob {
 }
 
 fn params(question: Question, bias: BiasChoice) -> CompareParams {
-    CompareParams { methods: METHODS.to_vec(), question, bias, pictures: None }
+    let solver = SolverParams::default();
+    let methods = METHODS.iter().map(|m| Variant::plain(*m, &solver)).collect();
+    CompareParams { methods, question, bias, pictures: None }
 }
 
 fn run(job: &LoadedJob, params: &CompareParams, threads: usize) -> Comparison {
@@ -157,6 +160,28 @@ fn texels_are_searched_for_a_bound() {
     let summary = summarise(&found);
     assert_eq!((summary.reference.as_str(), summary.methods[1].ratio.of_sums), ("lixel", Some(1.0)));
     assert!(table(&found, &summary).contains("texels / lixel [95 %]"));
+    let needed = found.methods[1].per_light[0].measured.as_ref().unwrap().texels as f64;
+    assert_eq!(summary.methods[1].texels, Some([needed; 3]), "one light is all quartiles");
+}
+
+/// Variants of one method side by side; all maps of a light together get its texels, the maps even shares.
+#[test]
+fn variants_of_several_maps_share_the_texels() {
+    let names = ["cascades:log:warped:3", "cascades:samples:2", "separating-plane:lispsm:1", "faces", "tsm:0.6"];
+    let job = job(2);
+    let methods = names.map(|name| Variant::parse(name, &job.job.solver).unwrap()).to_vec();
+    let found = run(&job, &CompareParams { methods, ..params(Question::Texels(4000), BiasChoice::Plan) }, 2);
+    for (method, name) in found.methods.iter().zip(names) {
+        assert_eq!(method.method, name);
+        for row in &method.per_light {
+            let m = row.measured.as_ref().unwrap_or_else(|| panic!("{name}: {:?}", row.reason));
+            assert!(m.texels <= 4000 && m.texels > 3600, "{name}: {:?}", m.maps);
+            let even = 4000 / m.maps.len() as u32;
+            assert!(m.maps.iter().all(|[w, h]| w * h <= even && w * h * 10 > even * 8), "{name}: {:?}", m.maps);
+        }
+    }
+    let maps = |k: usize| found.methods[k].per_light[0].measured.as_ref().unwrap().maps.len();
+    assert!(maps(0) > 1 && maps(0) <= 3 && maps(1) == 2 && maps(2) <= 2 && maps(3) <= 5 && maps(4) == 1);
 }
 
 #[test]
@@ -189,6 +214,8 @@ fn the_command_prints_the_table_and_writes_pictures() {
     for bad in [
         &["--lights", "random-hemisphere:0:1"][..],
         &["--methods", "magic"],
+        &["--methods", "cascades:fast"],
+        &["--methods", "lixel,cascades:0"],
         &["--texels", "0"],
         &["--texels", "100", "--resolution", "10x10"],
         &["--texels", "100", "--epsilon", "0.1"],

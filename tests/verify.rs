@@ -181,3 +181,15 @@ fn changed_frames_and_inputs_are_found() {
     plan.summary.texels -= 1;
     assert!(faults(&verify(&plan)).contains("summary"));
 }
+
+/// Methods that give a light several maps: their domains go to the file and back, and the counts hold.
+#[test]
+fn plans_of_several_maps_hold() {
+    for (method, kind) in [("separating-plane", "half-space"), ("cascades", "view-depth"), ("faces", "intersection")] {
+        let plan = plan_courtyard(&format!("[solver]\nmethod = '{method}'\n"));
+        let text = plan::to_text(&plan, Format::Toml).unwrap();
+        assert!(text.contains(&format!("kind = \"{kind}\"")), "{method}: no {kind} in\n{text}");
+        let found = verify(&plan::parse(&text, Format::Toml, Path::new("plan")).unwrap());
+        assert_eq!(faults(&found), "", "{method}");
+    }
+}

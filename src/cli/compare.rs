@@ -6,21 +6,19 @@ use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
 use lixel::compare::{
-    BiasChoice, CompareParams, Question, all_methods, csv, json, random_hemisphere, scatter, summarise, table,
+    BiasChoice, CompareParams, Question, Variant, all_methods, csv, json, random_hemisphere, scatter, summarise, table,
     write_file,
 };
-use lixel::methods::Method;
+use lixel::methods::SolverParams;
 use lixel::plan::{Dest, PlanError, Watch};
 use lixel::raster::SIZE_MAX;
-use serde::Deserialize;
-use serde::de::value::StrDeserializer;
 
 use super::exit::{Failure, MET};
 use super::flags::JobFlags;
 use super::progress::Bar;
 use super::report;
 use super::signals::Signals;
-use super::values::{size, values};
+use super::values::size;
 
 /// Compare methods on the same frames, lights and texels by their wrong pixels
 #[derive(Args)]
@@ -30,14 +28,19 @@ With --epsilon the texels are searched that each method needs for that bound; el
 Examples:
   lixel compare shot.toml --texels 160000
   lixel compare scene.glb --frames 1 --size 750x750 --lights random-hemisphere:500:1 --methods lixel,scene-optimal
+  lixel compare shot.toml --methods lixel,cascades:log:warped:4,cascades:samples,separating-plane:psm:1
   lixel compare shot.toml --epsilon 0.001 --csv texels.csv
 
 Exit codes: 0 done, 1 failure, 2 bad input, 130/143 stopped.")]
 pub(super) struct CompareArgs {
     /// A job file (.toml), or a scene with its camera and lights (.gltf, .glb, .obj)
     input: PathBuf,
-    /// Methods, in the order of the rows [default: all]
-    #[arg(long, value_delimiter = ',', value_parser = values::<Method>(), conflicts_with = "method", value_name = "A,B,…")]
+    /// Methods, in the order of the rows [default: all, with the job's settings]
+    ///
+    /// A name as in the job's solver.method, which may have settings after colons: values of the method's own keys of
+    /// [solver] in any order, as in cascades:log:warped:4, tsm:0.7, separating-plane:psm:1, homography-area:alpha,
+    /// lixel:l2; or KEY=VALUE for any key of [solver], as in lixel:rounds=0. `lixel schema` has the keys.
+    #[arg(long, value_delimiter = ',', value_parser = variant, conflicts_with = "method", value_name = "A,B,…")]
     methods: Vec<String>,
     /// Texels of each light, all its maps together [default: 160000]
     #[arg(long, value_name = "N", conflicts_with_all = ["resolution", "epsilon"], value_parser = clap::value_parser!(u32).range(1..=1 << 28))]
@@ -128,7 +131,7 @@ pub(super) fn run(args: &CompareArgs, quiet: bool, signals: &Signals) -> Result<
     }
     let searched = overrides.get("quality").is_some_and(|q| q.get("epsilon").is_some());
     let params = CompareParams {
-        methods: methods(&args.methods),
+        methods: methods(&args.methods, &job.job.solver)?,
         question: match args.resolution {
             Some(resolution) => Question::Resolution(resolution),
             None if searched => Question::Epsilon,
@@ -169,18 +172,21 @@ pub(super) fn run(args: &CompareArgs, quiet: bool, signals: &Signals) -> Result<
     Ok(ExitCode::from(MET))
 }
 
-/// Methods by name, each once; all when none is named. The names are those that clap let through.
-fn methods(names: &[String]) -> Vec<Method> {
-    let mut chosen: Vec<Method> = Vec::new();
+/// A method by name, with settings; read again over the job's own.
+fn variant(text: &str) -> Result<String, String> {
+    Variant::parse(text, &SolverParams::default()).map(|variant| variant.name)
+}
+
+/// Methods by name, each once; all when none is named.
+fn methods(names: &[String], job: &SolverParams) -> Result<Vec<Variant>, Failure> {
+    let mut chosen: Vec<Variant> = Vec::new();
     for name in names {
-        let parsed: Result<Method, serde::de::value::Error> = Method::deserialize(StrDeserializer::new(name));
-        if let Ok(method) = parsed
-            && !chosen.contains(&method)
-        {
-            chosen.push(method);
+        let found = Variant::parse(name, job).map_err(|e| Failure::Setup(format!("--methods {name}: {e}")))?;
+        if chosen.iter().all(|c| c.name != found.name) {
+            chosen.push(found);
         }
     }
-    if chosen.is_empty() { all_methods() } else { chosen }
+    Ok(if chosen.is_empty() { all_methods().into_iter().map(|m| Variant::plain(m, job)).collect() } else { chosen })
 }
 
 #[cfg(test)]

@@ -1,10 +1,10 @@
 //! One method on one light: solved, drawn, counted.
 
-use super::{BIAS_GRID, BiasChoice, CompareParams, Measured, PerLight, Question, TexelsFor, budget, ideal};
+use super::{BIAS_GRID, BiasChoice, CompareParams, Measured, PerLight, Question, TexelsFor, Variant, budget, ideal};
 use crate::job::Job;
 use crate::math::Bounds;
 use crate::measure::Receivers;
-use crate::methods::{Inapplicable, Method, SolverParams, solve};
+use crate::methods::{Inapplicable, Method, solve};
 use crate::plan::PlanError;
 use crate::raster::{Bias, RasterError};
 use crate::resolution::{FilmQuestion, FittedLight, Judge, certify, default_bias, fit_light, polish, predict, shares};
@@ -40,12 +40,11 @@ pub(super) struct Mask {
 /// Solves, draws and counts.
 pub(super) fn entry(
     case: &Case,
-    method: Method,
+    variant: &Variant,
     job: &Job,
     params: &CompareParams,
 ) -> Result<(PerLight, Mask), PlanError> {
     let start = Instant::now();
-    let solver = SolverParams { method, ..job.solver.clone() };
     let question = FilmQuestion {
         camera: case.camera,
         film: case.film,
@@ -53,7 +52,7 @@ pub(super) fn entry(
         bounds: case.bounds,
         quality: &job.quality,
         map: &job.map,
-        solver: &solver,
+        solver: &variant.solver,
         sample_cap: job.sampling.cap as usize,
     };
     let mut row = PerLight {
@@ -64,11 +63,11 @@ pub(super) fn entry(
         solve_seconds: 0.0,
         seconds: 0.0,
     };
-    if method == Method::Irregular {
+    if variant.solver.method == Method::Irregular {
         row.measured = Some(exact(case, params));
         return Ok((row, Mask::default()));
     }
-    let fitted = fit(case, method, &question, params);
+    let fitted = fit(case, &question, params);
     row.solve_seconds = start.elapsed().as_secs_f64();
     let mut mask = Mask::default();
     match fitted {
@@ -90,18 +89,13 @@ pub(super) fn entry(
 }
 
 /// The method's regions, for the texels that are given or for those that the bound asks for.
-fn fit(
-    case: &Case,
-    method: Method,
-    question: &FilmQuestion,
-    params: &CompareParams,
-) -> Result<FittedLight, Inapplicable> {
+fn fit(case: &Case, question: &FilmQuestion, params: &CompareParams) -> Result<FittedLight, Inapplicable> {
     let Some(texels) = budget::texels(params.question) else {
         return fit_light(question, case.samples, Some(case.receivers));
     };
     let mut inputs = question.inputs(case.samples, &case.samples.covered, texels, question.solver);
     inputs.aspect = budget::aspect(params.question, question.map);
-    let regions = solve(method, &inputs)?;
+    let regions = solve(question.solver.method, &inputs)?;
     let (shares, covered) = (shares(&regions), case.samples.covered.clone());
     Ok(FittedLight { shares, regions, texels, evaluations: 0, joined: 0, covered })
 }

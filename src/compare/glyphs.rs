@@ -1,4 +1,4 @@
-//! Letters of 3 x 5 pixels for the titles of pictures: lower case, digits and a hyphen; anything else is a blank.
+//! Letters of 3 x 5 pixels for the titles of pictures: lower case, digits and `-_.:=`; anything else is a blank.
 
 /// Width and height of a letter, pixels; letters stand one pixel apart.
 pub(super) const SIZE: [usize; 2] = [3, 5];
@@ -43,6 +43,10 @@ pub(super) fn rows(letter: char) -> [u8; 5] {
         '8' => [7, 5, 7, 5, 7],
         '9' => [7, 5, 7, 1, 6],
         '-' => [0, 0, 7, 0, 0],
+        ':' => [0, 2, 0, 2, 0],
+        '.' => [0, 0, 0, 0, 2],
+        '=' => [0, 7, 0, 7, 0],
+        '_' => [0, 0, 0, 0, 7],
         _ => [0; 5],
     }
 }

@@ -23,6 +23,7 @@ mod statistics;
 mod summary;
 mod table;
 mod types;
+mod variant;
 mod workers;
 
 pub use files::{SCHEMA, csv, json, write_file};
@@ -33,3 +34,4 @@ pub use scatter::scatter;
 pub use summary::{Correlation, MethodSummary, Ratio, Summary, Worst, summarise};
 pub use table::table;
 pub use types::{CaseLight, Comparison, Measured, MethodRows, PerLight, TexelsFor};
+pub use variant::Variant;

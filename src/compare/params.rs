@@ -1,5 +1,6 @@
 //! What is compared, at what cost, under which bias.
 
+use super::Variant;
 use crate::depth::CONSTANT_F32;
 use crate::methods::Method;
 use crate::raster::Bias;
@@ -52,7 +53,7 @@ const fn grid() -> [Bias; 18] {
 #[derive(Clone, Debug, PartialEq)]
 pub struct CompareParams {
     /// In the order of the table's rows; at least one.
-    pub methods: Vec<Method>,
+    pub methods: Vec<Variant>,
     /// What is held equal.
     pub question: Question,
     /// The depth bias of each map.

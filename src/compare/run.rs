@@ -3,7 +3,7 @@
 use super::entry::{Case, Mask, entry};
 use super::files::write_file;
 use super::picture::{self, Column};
-use super::{CaseLight, CompareParams, Comparison, MethodRows, PerLight, Question, budget, name_of, workers};
+use super::{CaseLight, CompareParams, Comparison, MethodRows, PerLight, Question, budget, workers};
 use crate::job::{Job, LoadedJob};
 use crate::math::Bounds;
 use crate::measure::{Outside, Receivers};
@@ -135,9 +135,9 @@ fn light(
     };
     let mut rows = Vec::with_capacity(params.methods.len());
     let mut masks: Vec<Mask> = Vec::new();
-    for method in &params.methods {
+    for variant in &params.methods {
         watch.check()?;
-        let (row, mask) = entry(&given, *method, job, params)?;
+        let (row, mask) = entry(&given, variant, job, params)?;
         rows.push(row);
         if params.pictures.is_some() {
             masks.push(mask);
@@ -162,9 +162,8 @@ fn strip(
         Some(measured) => format!("{method} {}", measured.misclassified),
         None => format!("{method} does not apply"),
     };
-    let columns: Vec<Column> = (0..rows.len())
-        .map(|k| Column { title: title(&rows[k], &name_of(params.methods[k])), mask: &masks[k] })
-        .collect();
+    let columns: Vec<Column> =
+        (0..rows.len()).map(|k| Column { title: title(&rows[k], &params.methods[k].name), mask: &masks[k] }).collect();
     let path = dir.join(picture_name(case.frame, number, &case.light.name));
     let failed = |source| PlanError::Write { dest: path.display().to_string(), source };
     write_file(&path, &picture::strip(case, &columns).map_err(failed)?)
@@ -181,11 +180,11 @@ fn picture_name(frame: i64, number: usize, light: &str) -> String {
 fn gather(cases: Vec<(CaseLight, Vec<PerLight>)>, params: &CompareParams, film: Film, job: &Job) -> Comparison {
     let (lights, rows): (Vec<CaseLight>, Vec<Vec<PerLight>>) = cases.into_iter().unzip();
     let compared = lights.iter().filter(|l| l.skipped.is_none()).count().max(1) as f64;
-    let methods = params.methods.iter().enumerate().map(|(k, method)| {
+    let methods = params.methods.iter().enumerate().map(|(k, variant)| {
         let per_light: Vec<PerLight> = rows.iter().map(|r| r[k].clone()).collect();
         let refused = |(row, light): &(&PerLight, &CaseLight)| row.reason.is_some() && light.skipped.is_none();
         MethodRows {
-            method: name_of(*method),
+            method: variant.name.clone(),
             misclassified: per_light.iter().filter_map(|r| r.measured.as_ref()).map(|m| m.misclassified).sum(),
             inapplicable: per_light.iter().zip(&lights).filter(refused).count() as u64,
             seconds: per_light.iter().map(|r| r.seconds).sum::<f64>() / compared,

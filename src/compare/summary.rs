@@ -77,6 +77,9 @@ pub struct MethodSummary {
     /// Mean samples a light, of a method that answers exactly.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub samples: Option<f64>,
+    /// Quartiles and median over lights of the texels searched; a light on which the bound is not met needs more than any.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub texels: Option<[f64; 3]>,
     /// Mean seconds a light for the fit alone.
     pub solve_seconds: f64,
     /// Mean seconds a light for fit, drawing and counting.
@@ -141,6 +144,9 @@ pub fn summarise(comparison: &Comparison) -> Summary {
             not_met: rows().filter(|r| r.needed.is_some_and(|n| !n.met)).count() as u64,
             samples: exact(&method)
                 .then(|| sum(method, &|r| r.samples.unwrap_or(0)) as f64 / common.len().max(1) as f64),
+            texels: quartiles(
+                rows().filter_map(|r| r.needed).map(|n| if n.met { n.texels as f64 } else { f64::INFINITY }),
+            ),
             solve_seconds: method.per_light.iter().map(|r| r.solve_seconds).sum::<f64>() / compared,
             seconds: method.seconds,
             predicted: correlation(rows(), |r| r.predicted),
@@ -159,13 +165,15 @@ pub fn summarise(comparison: &Comparison) -> Summary {
 fn ratio(pairs: &[(f64, f64)]) -> Ratio {
     // A light without a wrong pixel by either method says nothing of their ratio; one without by the reference alone is
     // infinitely worse.
-    let mut own: Vec<f64> = pairs.iter().filter(|(a, b)| *a > 0.0 || *b > 0.0).map(|(a, b)| a / b).collect();
-    let mut at = |q: f64| quantile(&mut own, q).filter(|v| v.is_finite());
-    let quartiles = match (at(0.25), at(0.5), at(0.75)) {
-        (Some(a), Some(b), Some(c)) => Some([a, b, c]),
-        _ => None,
-    };
-    Ratio { of_sums: ratio_of_sums(pairs), interval: interval(pairs), quartiles }
+    let own = pairs.iter().filter(|(a, b)| *a > 0.0 || *b > 0.0).map(|(a, b)| a / b);
+    Ratio { of_sums: ratio_of_sums(pairs), interval: interval(pairs), quartiles: quartiles(own) }
+}
+
+/// Quartiles with the median between them; `None` where one is not finite.
+fn quartiles(values: impl Iterator<Item = f64>) -> Option<[f64; 3]> {
+    let mut values: Vec<f64> = values.collect();
+    let mut at = |q: f64| quantile(&mut values, q).filter(|v| v.is_finite());
+    Some([at(0.25)?, at(0.5)?, at(0.75)?])
 }
 
 fn correlation<'a>(

@@ -70,6 +70,9 @@ fn main_rows(summary: &Summary, reference: &str) -> Vec<Vec<String>> {
 fn texels_rows(summary: &Summary, reference: &str) -> Vec<Vec<String>> {
     let head = [
         "method",
+        "texels: quartile",
+        "median",
+        "quartile",
         &format!("texels / {reference} [95 %]"),
         "quartile",
         "median",
@@ -80,8 +83,12 @@ fn texels_rows(summary: &Summary, reference: &str) -> Vec<Vec<String>> {
     ];
     let row = |m: &MethodSummary| {
         let quartile = |k: usize| number(m.ratio.quartiles.map(|q| q[k]), 2);
+        let texels = |k: usize| number(m.texels.map(|q| q[k]), 0);
         vec![
             m.method.clone(),
+            texels(0),
+            texels(1),
+            texels(2),
             with_interval(&m.ratio),
             quartile(0),
             quartile(1),

@@ -6,6 +6,7 @@ mod settings;
 use std::collections::BTreeSet;
 
 use super::{Job, is_scene_file};
+use crate::methods::SolverParams;
 use crate::resolution::SIZE_MAX;
 use crate::scene::{LightKindName, LightParams};
 
@@ -72,6 +73,14 @@ pub fn check(job: &Job) -> Result<(), Problem> {
     settings::map(&job.map)?;
     settings::sampling(&job.sampling)?;
     settings::solver(&job.solver)
+}
+
+/// Checks `[solver]` alone.
+///
+/// # Errors
+/// The first problem, in the order of the keys.
+pub fn check_solver(solver: &SolverParams) -> Result<(), Problem> {
+    settings::solver(solver)
 }
 
 fn scene(job: &Job) -> Result<(), Problem> {

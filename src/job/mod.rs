@@ -23,7 +23,7 @@ use crate::resolution::{MapParams, QualityParams};
 use crate::samples::SamplingParams;
 use crate::scene::{CameraParams, FramesParams, ImageParams, LightParams};
 
-pub use check::{Problem, check};
+pub use check::{Problem, check, check_solver};
 pub use error::{JobError, Located};
 pub use layers::Preset;
 pub use load::{LoadedJob, load};

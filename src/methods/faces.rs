@@ -78,31 +78,35 @@ fn frustum(inputs: &Inputs, body: &[DVec3]) -> [DVec3; 8] {
     })
 }
 
-/// The faces at that end of the light's rays that is nearer to the camera.
+/// The faces at that end of the light's rays that is nearer to the camera; none for a lamp inside the frustum.
 fn nearer_faces(inputs: &Inputs, corners: &[DVec3; 8]) -> Vec<Face> {
     let centre = corners.iter().sum::<DVec3>() / 8.0;
     let light = inputs.light.position();
     let along = -inputs.light.towards(centre).dot(inputs.camera.forward()) >= 0.0;
     let side = |i: usize| [i, (i + 1) % 4, 4 + (i + 1) % 4, 4 + i];
     let loops = [[0, 1, 2, 3], side(0), side(1), side(2), side(3), [4, 5, 6, 7]];
-    let faces = loops.into_iter().filter_map(|loop_| {
-        let [a, b, c, d] = loop_.map(|k| corners[k]);
-        // The diagonals span the plane even where the near edge shrinks to a point.
-        let n = (c - a).cross(d - b).try_normalize()?;
-        let n = if n.dot(centre - a) < 0.0 { -n } else { n };
-        Some(Face { corners: loop_, plane: (n, -n.dot(a)) })
-    });
-    faces
-        .filter(|face| {
-            let (n, d) = face.plane;
-            // How far the light's side is outside of the face, in the unit of the least that counts.
-            let outside = match light {
-                None => -n.dot(inputs.light.towards(centre)) / OFF_PLANE,
-                Some(position) => -(n.dot(position) + d) / (OFF_PLANE * inputs.bounds.diagonal()),
-            };
-            if along { outside > 1.0 } else { outside < -1.0 }
+    let faces: Vec<Face> = loops
+        .into_iter()
+        .filter_map(|loop_| {
+            let [a, b, c, d] = loop_.map(|k| corners[k]);
+            // The diagonals span the plane even where the near edge shrinks to a point.
+            let n = (c - a).cross(d - b).try_normalize()?;
+            let n = if n.dot(centre - a) < 0.0 { -n } else { n };
+            Some(Face { corners: loop_, plane: (n, -n.dot(a)) })
         })
-        .collect()
+        .collect();
+    // How far the light stands outside of a face, in the unit of the least that counts.
+    let outside = |face: &Face| {
+        let (n, d) = face.plane;
+        match light {
+            None => -n.dot(inputs.light.towards(centre)) / OFF_PLANE,
+            Some(position) => -(n.dot(position) + d) / (OFF_PLANE * inputs.bounds.diagonal()),
+        }
+    };
+    if faces.iter().all(|face| outside(face) <= 1.0) {
+        return Vec::new();
+    }
+    faces.into_iter().filter(|face| if along { outside(face) > 1.0 } else { outside(face) < -1.0 }).collect()
 }
 
 /// Planes through the light and the edges that a face shares with other faces of the list, the face on their inner sides.

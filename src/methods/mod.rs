@@ -75,6 +75,29 @@ pub enum Method {
     Irregular,
 }
 
+impl Method {
+    /// The keys of `[solver]` that are this method's alone.
+    pub fn own_settings(self) -> &'static [&'static str] {
+        match self {
+            Method::Lixel => &["metric", "effort"],
+            Method::Psm => &["psm_infinity"],
+            Method::Tsm => &["tsm_focus", "tsm_depth"],
+            Method::HomographyArea => &["area"],
+            Method::SeparatingPlane => &["separating_map", "separating_iterations"],
+            Method::Cascades => &["cascade_split", "cascade_fit", "cascade_count", "cascade_blend"],
+            Method::PlaneOptimal => &["plane"],
+            Method::Partitioned => &["maps", "metric", "effort"],
+            Method::Adaptive | Method::Edges => &["tiles"],
+            Method::Normal
+            | Method::Focused
+            | Method::SceneOptimal
+            | Method::Lispsm
+            | Method::Faces
+            | Method::Irregular => &[],
+        }
+    }
+}
+
 /// What a method gets: one light in one frame.
 #[derive(Clone, Copy)]
 pub struct Inputs<'a> {
@@ -202,6 +225,9 @@ pub fn solve(method: Method, inputs: &Inputs) -> Result<Vec<Region>, Inapplicabl
         };
         single(given, axis).map(|region| vec![region])
     })?;
+    if regions.is_empty() {
+        return Err(Inapplicable::Empty);
+    }
     if inputs.covered.iter().all(|p| held(&regions, *p)) { Ok(regions) } else { Err(Inapplicable::CoveredBehindLight) }
 }
 

@@ -18,12 +18,16 @@
 //! map whose side holds nothing to cover is left out.
 //!
 //! The refocusing of §6: iteration 1 fits both maps to the whole of I; each further one fits each map to its own side of
-//! the plane, and then the plane to the maps, except in the last, so that each map holds its side.
+//! the plane, and then the plane to the maps, except in the last, so that each map holds its side. A plane that would
+//! leave one of them nothing to cover ends the refocusing: the paper, which saw none, gives no rule for it.
 
 use super::split::{parts, solve_parts};
 use super::{Inapplicable, Inputs, PerspectiveMethod, Region, focused, lispsm, psm, tsm};
 use crate::math::Domain;
 use glam::{DVec3, DVec4};
+
+/// Covered points that take part in refocusing.
+const FEW: usize = 1024;
 
 /// Solves both maps.
 pub(super) fn solve(inputs: &Inputs, axis: Option<DVec3>) -> Result<Vec<Region>, Inapplicable> {
@@ -36,12 +40,18 @@ pub(super) fn solve(inputs: &Inputs, axis: Option<DVec3>) -> Result<Vec<Region>,
         |side: usize, given: &Inputs| if side == 0 { perspective(given, axis) } else { focused::solve(given, axis) };
     let mut plane = separating_plane(&map(0, inputs)?, &map(1, inputs)?);
     let focusing = inputs.solver.separating_iterations > 1;
+    // All that is covered lies in I: a few points stand for it while only the plane is looked for.
+    let few: Vec<DVec3> = inputs.covered.iter().step_by(inputs.covered.len() / FEW + 1).copied().collect();
+    let draft = Inputs { covered: &few, edges: &[], ..*inputs };
     // The first iteration is done; the last one leaves the plane as it is.
     for _ in 2..inputs.solver.separating_iterations {
-        let sides = parts(inputs, sides_of(plane));
-        let regions = solve_parts(inputs, &sides, map)?;
-        let [warped, focused] = regions.as_slice() else { return Ok(regions) };
-        plane = separating_plane(warped, focused);
+        let regions = solve_parts(&draft, &parts(&draft, sides_of(plane)), map)?;
+        let [warped, focused] = regions.as_slice() else { break };
+        let next = separating_plane(warped, focused);
+        if parts(&draft, sides_of(next)).iter().any(|side| side.covered.is_empty()) {
+            break;
+        }
+        plane = next;
     }
     let sides = sides_of(plane).into_iter().map(|(domain, clip)| (domain, if focusing { clip } else { Vec::new() }));
     let sides = parts(inputs, sides.collect());

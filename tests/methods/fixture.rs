@@ -8,7 +8,7 @@ use lixel::samples::EdgePoint;
 use lixel::scene::{Camera, Film, Light, LightKind, Projection};
 
 /// Every method.
-pub(crate) const ALL: [Method; 9] = [
+pub(crate) const ALL: [Method; 12] = [
     Method::Lixel,
     Method::Normal,
     Method::Focused,
@@ -18,6 +18,9 @@ pub(crate) const ALL: [Method; 9] = [
     Method::Lispsm,
     Method::PlaneOptimal,
     Method::HomographyArea,
+    Method::SeparatingPlane,
+    Method::Cascades,
+    Method::Faces,
 ];
 
 /// Owned inputs.

@@ -4,6 +4,8 @@
 
 mod fixture;
 mod papers;
+mod partitioned;
+mod permuted;
 mod properties;
 mod several;
 mod sweep;

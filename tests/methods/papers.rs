@@ -6,12 +6,12 @@ use lixel::math::Bounds;
 use lixel::methods::{AreaOver, Inapplicable, Method, Region};
 use lixel::scene::{LightKind, Projection};
 
-const NEAR: f64 = 1.0;
-const FAR: f64 = 100.0;
-const HALF_FOV: f64 = std::f64::consts::FRAC_PI_6;
+pub(crate) const NEAR: f64 = 1.0;
+pub(crate) const FAR: f64 = 100.0;
+pub(crate) const HALF_FOV: f64 = std::f64::consts::FRAC_PI_6;
 
 /// Lloyd's setting: a level view from 1 to 100 m of ±30° under an overhead sun; nothing but the view bounds the body.
-fn overhead() -> Setup {
+pub(crate) fn overhead() -> Setup {
     let mut camera = camera(DVec3::ZERO, DVec3::NEG_Z, Projection::Perspective { yfov_rad: 2.0 * HALF_FOV });
     (camera.near, camera.far) = (NEAR, Some(FAR));
     let mut setup = setup(camera, Bounds { min: DVec3::splat(-300.0), max: DVec3::splat(300.0) }, DVec3::NEG_Y);
@@ -22,7 +22,7 @@ fn overhead() -> Setup {
 }
 
 /// The point of the view axis at a depth.
-fn at(z: f64) -> DVec3 {
+pub(crate) fn at(z: f64) -> DVec3 {
     DVec3::new(0.0, 0.0, -z)
 }
 
@@ -38,10 +38,16 @@ fn dp_ds(region: &Region, z: f64) -> f64 {
 
 /// Lloyd 2006: the largest error along the view times the largest across it, (dz/ds)(dx/dt) / (2 z tan θ)².
 fn storage_factor(region: &Region) -> f64 {
+    storage_factor_between(region, NEAR, FAR)
+}
+
+/// The same over a range of depths.
+pub(crate) fn storage_factor_between(region: &Region, near: f64, far: f64) -> f64 {
     let across = |z: f64| {
         let [u, v] = gradients(region, at(z));
         1.0 / (z * DVec2::new(u.x, v.x).length())
     };
+    let depths = || (0..=200).map(|k| near * (far / near).powf(f64::from(k) / 200.0));
     let most = |f: &dyn Fn(f64) -> f64| depths().map(f).fold(0.0, f64::max);
     most(&|z| dp_ds(region, z)) * most(&across) / (2.0 * HALF_FOV.tan()).powi(2)
 }
@@ -60,7 +66,7 @@ fn warped_by(n: f64) -> Region {
 }
 
 /// Part that the border of the unit square adds: 1/4096 at each side, in both axes.
-const BORDER: f64 = 2e-3;
+pub(crate) const BORDER: f64 = 2e-3;
 
 /// Lloyd et al. 2006, storage factors for n = 1, f = 100, θ = 30°: 8573.7 uniform; (f - n) / (2 n tan θ) = 85.7 warped,
 /// the same for every centre of projection from n to n_opt.

@@ -84,6 +84,11 @@ pub(super) fn solver(solver: &SolverParams) -> Result<(), Problem> {
     for (key, share) in [("solver.tsm_depth", solver.tsm_depth), ("solver.tsm_focus", solver.tsm_focus)] {
         require(share > 0.0 && share < 1.0, key, share, "between 0 and 1, both excluded")?;
     }
+    let iterations = solver.separating_iterations;
+    require((1..=100).contains(&iterations), "solver.separating_iterations", iterations, "1 to 100")?;
+    require((1..=16).contains(&solver.cascade_count), "solver.cascade_count", solver.cascade_count, "1 to 16")?;
+    let blend = solver.cascade_blend;
+    require((0.0..=1.0).contains(&blend), "solver.cascade_blend", blend, "0 to 1")?;
     if let Some(plane) = solver.plane
         && !(plane.iter().all(|v| v.is_finite()) && plane[..3].iter().any(|v| *v != 0.0))
     {

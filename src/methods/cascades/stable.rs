@@ -2,8 +2,8 @@
 //!
 //! The map of a range is a square around the sphere that holds its part of the view frustum: of the same size however
 //! the camera stands and turns. Its axes are the light's own, and its centre moves in whole texels of a grid that is at
-//! rest in the scene. For that n and f are the camera's own: drawn in to the scene they would change with every frame. A
-//! camera without a far end has one at the power of two, metres, past the scene.
+//! rest in the scene. For that n is the camera's own, and f too, or the next power of two (metres) past the scene where
+//! that is nearer: drawn in to the scene itself they would change with every frame.
 //!
 //! Deviation: the grid is 1/64 of the map, not one texel, so that a map of any multiple of 64 texels moves by whole ones;
 //! the size need not be known here. That costs 1/64 of the width.
@@ -23,11 +23,8 @@ const STEPS: f64 = 64.0;
 
 /// n and f, metres.
 pub(super) fn view_range(inputs: &Inputs, axis: Option<DVec3>) -> Result<(f64, f64), Inapplicable> {
-    let far = match inputs.camera.far {
-        Some(far) => far,
-        None => extent(inputs, &view_body(inputs, axis)?).1.log2().ceil().exp2(),
-    };
-    Ok((inputs.camera.near, far))
+    let past_scene = extent(inputs, &view_body(inputs, axis)?).1.log2().ceil().exp2();
+    Ok((inputs.camera.near, inputs.camera.far.unwrap_or(f64::INFINITY).min(past_scene)))
 }
 
 /// Solves the range from depth `near` to `far`, metres.
