@@ -9,7 +9,7 @@ use crate::math::Bounds;
 use crate::measure::{Outside, Receivers};
 use crate::plan::{PlanError, Stage, Watch, load_shot};
 use crate::samples::{Grid, GridView, sample_light};
-use crate::scene::{Camera, Film, Geometry, Light};
+use crate::scene::{Camera, Film, Light};
 use crate::visibility::{Bvh, RayOffset, Tracer, View, see};
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -46,7 +46,7 @@ pub fn compare(loaded: &LoadedJob, params: &CompareParams, watch: &Watch) -> Res
     let mut cases: Vec<(CaseLight, Vec<PerLight>)> = Vec::new();
     for time in &shot.frames {
         let frame = shot.scene.frame(time.time_s)?;
-        let geometry = Geometry { still: &shot.scene.still, moving: &frame.moving };
+        let geometry = shot.scene.geometry(&frame);
         let moving = (!frame.moving.is_empty()).then(|| Bvh::build(&frame.moving));
         let tracer = Tracer::new(geometry, &still, moving.as_ref());
         let stage = FrameStage {

@@ -94,9 +94,10 @@ impl<'a> Judge<'a> {
     /// Draws all maps at sizes with a bias.
     pub fn draw(&mut self, sizes: &[[u32; 2]], bias: Bias) -> Result<Vec<Drawn>, RasterError> {
         let mut drawn = Vec::with_capacity(self.maps.len());
+        let (geometry, light, sides) = (self.tracer.geometry(), self.question.light, self.question.map.single_sided);
+        let keep = |index: u32| sides.draws(geometry, light, index);
         for (map, [width, height]) in self.maps.iter().zip(sizes) {
-            let counts =
-                self.canvas.draw(self.tracer.geometry(), &map.clip_from_scene, *width, *height, bias, |_| true)?;
+            let counts = self.canvas.draw(geometry, &map.clip_from_scene, *width, *height, bias, keep)?;
             self.texels_drawn += u64::from(*width) * u64::from(*height);
             self.triangles_drawn += counts.drawn;
             drawn.push(Drawn {

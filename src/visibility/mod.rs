@@ -10,6 +10,7 @@ mod lanes;
 mod ray;
 mod shadow;
 mod simd;
+mod solid;
 mod surface;
 mod trace;
 mod view;
