@@ -18,7 +18,7 @@ use lixel::math::Bounds;
 use lixel::measure::Receivers;
 use lixel::resolution::{FilmQuestion, JudgedMap, fit_light, predict_only};
 use lixel::samples::{Grid, GridView, sample_light};
-use lixel::scene::{self, Film, Geometry, Light, SceneFrame, Shot, ShotParams};
+use lixel::scene::{self, Film, Light, SceneFrame, Shot, ShotParams};
 use lixel::visibility::{Answer, Bvh, RayOffset, Tracer, answer, see};
 
 /// Rounds of each light.
@@ -38,15 +38,16 @@ fn run(input: &Path) -> Result<(), Box<dyn Error>> {
     let loaded = load(input, &DRAFT.parse()?)?;
     let job = &loaded.job;
     let shot = scene::load(&ShotParams {
-        scene: &loaded.scene_paths(),
+        scene: &loaded.scene_files(),
         frames: &job.frames,
         image: &job.image,
-        camera: &job.camera,
+        camera: &loaded.camera(),
         lights: &job.light,
+        visibility: &job.visibility,
     })?;
     let time = shot.frames.first().ok_or("no frame")?;
     let frame = shot.scene.frame(time.time_s)?;
-    let geometry = Geometry { still: &shot.scene.still, moving: &frame.moving };
+    let geometry = shot.scene.geometry(&frame);
     let (still, moving) = (Bvh::build(geometry.still), Bvh::build(geometry.moving));
     let tracer = Tracer::new(geometry, &still, (!frame.moving.is_empty()).then_some(&moving));
     for light in &frame.lights {

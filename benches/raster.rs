@@ -51,7 +51,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         bytes.extend(triangles.iter().flatten().flat_map(|v| v.to_array()).flat_map(f32::to_le_bytes));
         std::fs::write(path, bytes)?;
     }
-    let geometry = Geometry { still: &triangles, moving: &[] };
+    let geometry = Geometry::plain(&triangles, &[]);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
     for size in sizes {
         let mut canvas = Canvas::default();

@@ -10,6 +10,7 @@ use lixel::fit::Effort;
 use lixel::job::{Job, JobError, LoadedJob, Preset, load};
 use lixel::methods::Method;
 use lixel::resolution::{Bound, Measure};
+use lixel::scene::SceneFile;
 
 fn loaded(text: &str, overrides: &str) -> Result<LoadedJob, JobError> {
     let dir = tempfile::tempdir().unwrap();
@@ -63,7 +64,7 @@ fn a_full_job_is_read() {
         "#,
         "",
     );
-    assert_eq!(job.scene, [PathBuf::from("set/a.gltf"), PathBuf::from("b.obj")]);
+    assert_eq!(job.scene, [SceneFile::from("set/a.gltf"), SceneFile::from("b.obj")]);
     assert_eq!(job.frames.fps, Some(25.0));
     assert_eq!(job.camera.key[1].fov, Some(30.0));
     assert_eq!(job.light[1].range, Some(12.5));
@@ -95,10 +96,10 @@ fn epsilon_follows_its_bound() {
 #[test]
 fn a_scene_is_a_job_of_its_own() {
     let loaded = load(Path::new("sets/House.GLB"), &"[image]\nsize = [64, 48]".parse().unwrap()).unwrap();
-    assert_eq!(loaded.job.scene, [PathBuf::from("House.GLB")]);
+    assert_eq!(loaded.job.scene, [SceneFile::from("House.GLB")]);
     assert_eq!(loaded.job.image.size, Some([64, 48]));
     assert_eq!((loaded.file.as_deref(), loaded.dir.as_path()), (None, Path::new("sets")));
-    assert_eq!(loaded.scene_paths(), [PathBuf::from("sets/House.GLB")]);
+    assert_eq!(loaded.scene_files(), [SceneFile::from("sets/House.GLB")]);
 }
 
 #[test]

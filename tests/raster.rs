@@ -20,7 +20,7 @@ impl Random {
 }
 
 fn still(triangles: &[Triangle]) -> Geometry<'_> {
-    Geometry { still: triangles, moving: &[] }
+    Geometry::plain(triangles, &[])
 }
 
 #[expect(clippy::unwrap_used, reason = "a map that cannot be drawn fails the test")]
@@ -275,7 +275,7 @@ fn only_kept_triangles_are_drawn_and_counted() {
     let clip = clip_from_texels(64, 64);
     let odd = |i: u32| i % 2 == 1;
     let mut canvas = Canvas::default();
-    let counts = canvas.draw(Geometry { still, moving }, &clip, 64, 64, Bias::NONE, odd).unwrap();
+    let counts = canvas.draw(Geometry::plain(still, moving), &clip, 64, 64, Bias::NONE, odd).unwrap();
     let odd_only: Vec<Triangle> = triangles.iter().skip(1).step_by(2).copied().collect();
     assert_eq!(canvas.map, drawn(&odd_only, &clip, 64, 64));
     assert_eq!(counts.kept, 900);

@@ -8,8 +8,12 @@
 #![expect(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
 
 use lixel::job::{self, LoadedJob};
+use lixel::math::{Domain, matrix_from_rows};
+use lixel::measure::{Drawn, Outside, Receivers, wrong};
 use lixel::plan::{self, Format, LightPlan, Outcome, PlanError, Watch};
-use lixel::scene::SceneError;
+use lixel::raster::{Bias, draw};
+use lixel::scene::{Geometry, SceneError, Shot, ShotParams};
+use lixel::visibility::{Bvh, RayOffset, Tracer, see};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
@@ -43,15 +47,20 @@ fn load(file: &Path, more: &str) -> LoadedJob {
     job::load(file, &format!("{SETTINGS}{more}").parse().unwrap()).unwrap()
 }
 
-/// The shot of a job: number of triangles, and the numbers of its frames.
-fn shot(loaded: &LoadedJob) -> Result<(usize, Vec<i64>), SceneError> {
-    let shot = lixel::scene::load(&lixel::scene::ShotParams {
-        scene: &loaded.scene_paths(),
+fn load_shot(loaded: &LoadedJob) -> Result<Shot, SceneError> {
+    lixel::scene::load(&ShotParams {
+        scene: &loaded.scene_files(),
         frames: &loaded.job.frames,
         image: &loaded.job.image,
-        camera: &loaded.job.camera,
+        camera: &loaded.camera(),
         lights: &loaded.job.light,
-    })?;
+        visibility: &loaded.job.visibility,
+    })
+}
+
+/// The shot of a job: number of triangles, and the numbers of its frames.
+fn shot(loaded: &LoadedJob) -> Result<(usize, Vec<i64>), SceneError> {
+    let shot = load_shot(loaded)?;
     let moving = shot.scene.frame(shot.frames[0].time_s)?.moving.len();
     Ok((shot.scene.still.len() + moving, shot.frames.iter().map(|f| f.frame).collect()))
 }
@@ -143,4 +152,51 @@ fn every_real_scene_is_planned_and_verified_or_refused_by_name() {
         }
     }
     assert!(failed.is_empty(), "{} of {} scenes failed:\n{}", failed.len(), files.len(), failed.join("\n"));
+}
+
+/// Wrong and asking pixels of a frame's first light, with its maps drawn as planned, and with masks ignored.
+fn with_and_without_masks(file: &Path, work: &Path) -> [usize; 3] {
+    let (loaded, ..) = settled(file).unwrap();
+    let plan = watched(|watch| plan::make(&loaded, work, false, watch)).unwrap();
+    let planned = &plan.frames[0];
+    let shot = load_shot(&loaded).unwrap();
+    let frame = shot.scene.frame(planned.time_s).unwrap();
+    let geometry = shot.scene.geometry(&frame);
+    let (still, moving) = (Bvh::build(geometry.still), Bvh::build(geometry.moving));
+    let tracer = Tracer::new(geometry, &still, Some(&moving));
+    let view = see(&tracer, &frame.camera, shot.film);
+    let offset = RayOffset::for_scene(&tracer);
+    let receivers = Receivers::classify(&tracer, &view, &frame.camera, &frame.lights[0], offset);
+    let draw = |geometry: Geometry| {
+        let maps = planned.lights[0].maps.iter().map(|map| {
+            let bias = Bias {
+                constant: map.bias.constant,
+                slope: map.bias.slope,
+                clamp: map.bias.clamp.unwrap_or(f64::INFINITY),
+            };
+            let clip_from_scene = matrix_from_rows(&map.clip_from_world);
+            let map = draw(geometry, &clip_from_scene, map.width, map.height, bias).unwrap();
+            Drawn { domain: Domain::All, clip_from_scene, map }
+        });
+        wrong(&receivers, &maps.collect::<Vec<_>>(), Outside::Lit).len()
+    };
+    [draw(geometry), draw(Geometry::plain(geometry.still, geometry.moving)), receivers.len()]
+}
+
+#[test]
+fn holes_of_masks_agree_between_rays_and_maps() {
+    let Some(folder) = std::env::var_os("LIXEL_SCENES").map(PathBuf::from) else {
+        println!("skipped: LIXEL_SCENES not set");
+        return;
+    };
+    let work = tempfile::tempdir().unwrap();
+    for name in ["house_foliage/house.glb", "alpha_blend_mode/AlphaBlendModeTest.glb"] {
+        let file = folder.join(name);
+        if !file.exists() {
+            continue;
+        }
+        let [masked, ignored, asked] = with_and_without_masks(&file, work.path());
+        println!("{name}: {masked} of {asked} pixels wrong with the mask, {ignored} with it ignored");
+        assert!(3 * masked < ignored, "{name}: {masked} wrong with the mask, {ignored} without");
+    }
 }

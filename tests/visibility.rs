@@ -94,7 +94,7 @@ fn random_rays_meet_what_brute_force_meets() {
         .collect();
     let (still, moving) = triangles.split_at(2000);
     let (still_bvh, moving_bvh) = (Bvh::build(still), Bvh::build(moving));
-    let tracer = Tracer::new(Geometry { still, moving }, &still_bvh, Some(&moving_bvh));
+    let tracer = Tracer::new(Geometry::plain(still, moving), &still_bvh, Some(&moving_bvh));
     let mut hits = 0;
     for _ in 0..4000 {
         let origin = seeded.point(30.0);
@@ -116,7 +116,7 @@ fn random_rays_meet_what_brute_force_meets() {
 fn nothing_leaks_through_edges_and_vertices_of_a_closed_sphere() {
     let triangles = sphere(Vec3::new(3.0, -2.0, 5.0), 2.0, 40);
     let bvh = Bvh::build(&triangles);
-    let tracer = Tracer::new(Geometry { still: &triangles, moving: &[] }, &bvh, None);
+    let tracer = Tracer::new(Geometry::plain(&triangles, &[]), &bvh, None);
     let mut seeded = Seeded(2);
     let inside = DVec3::new(3.1, -1.8, 4.7);
     for triangle in &triangles {
@@ -135,7 +135,7 @@ fn a_convex_body_does_not_shadow_itself_and_its_far_side_is_unlit() {
     for scale in [1e-6_f32, 1.0, 1e6] {
         let triangles = sphere(Vec3::new(3.0, -2.0, 5.0) * scale, 2.0 * scale, 40);
         let bvh = Bvh::build(&triangles);
-        let tracer = Tracer::new(Geometry { still: &triangles, moving: &[] }, &bvh, None);
+        let tracer = Tracer::new(Geometry::plain(&triangles, &[]), &bvh, None);
         let offset = RayOffset::for_scene(&tracer);
         let mut seeded = Seeded(3);
         let centre = DVec3::new(3.0, -2.0, 5.0) * f64::from(scale);
@@ -169,7 +169,7 @@ fn toward(forward: DVec3) -> Camera {
 fn a_square_over_a_floor_casts_the_shadow_geometry_says() {
     let (floor, lid) = (square(10.0, 0.0), square(1.0, 2.0));
     let (floor_bvh, lid_bvh) = (Bvh::build(&floor), Bvh::build(&lid));
-    let tracer = Tracer::new(Geometry { still: &floor, moving: &lid }, &floor_bvh, Some(&lid_bvh));
+    let tracer = Tracer::new(Geometry::plain(&floor, &lid), &floor_bvh, Some(&lid_bvh));
     let camera = look_down(10.0);
     let film = Film { width: 64, height: 48 };
     let view = see(&tracer, &camera, film);
@@ -208,7 +208,7 @@ fn near_and_far_planes_bound_what_is_seen() {
     let (floor, lid) = (square(10.0, 0.0), square(1.0, 2.0));
     let triangles = [floor, lid].concat();
     let bvh = Bvh::build(&triangles);
-    let tracer = Tracer::new(Geometry { still: &triangles, moving: &[] }, &bvh, None);
+    let tracer = Tracer::new(Geometry::plain(&triangles, &[]), &bvh, None);
     let film = Film { width: 8, height: 8 };
     let depth = |near, far| {
         surface_at(&tracer, &Camera { near, far, ..look_down(10.0) }, film, 4.1, 4.2)
@@ -224,7 +224,7 @@ fn near_and_far_planes_bound_what_is_seen() {
 fn film_derivatives_are_the_numerical_ones() {
     let triangles = sphere(Vec3::ZERO, 2.0, 12);
     let bvh = Bvh::build(&triangles);
-    let tracer = Tracer::new(Geometry { still: &triangles, moving: &[] }, &bvh, None);
+    let tracer = Tracer::new(Geometry::plain(&triangles, &[]), &bvh, None);
     let film = Film { width: 200, height: 100 };
     let step = 1e-4;
     for projection in [Projection::Perspective { yfov_rad: 0.8 }, Projection::Orthographic { half_height: 3.0 }] {
@@ -259,7 +259,7 @@ fn hostile_rays_and_scenes_answer_without_panic() {
     ];
     let bvh = Bvh::build(&triangles);
     let none = Bvh::build(&[]);
-    let tracer = Tracer::new(Geometry { still: &triangles, moving: &[] }, &bvh, Some(&none));
+    let tracer = Tracer::new(Geometry::plain(&triangles, &[]), &bvh, Some(&none));
     let odd = [0.0, -0.0, 1.0, -1e300, 1e-300, f64::NAN, f64::INFINITY];
     for &a in &odd {
         for &b in &odd {
@@ -273,9 +273,9 @@ fn hostile_rays_and_scenes_answer_without_panic() {
     }
     let tiny = [[Vec3::ZERO, Vec3::X * 1e-40, Vec3::Y * 1e-40], [Vec3::ONE * 1e-45, Vec3::ZERO, Vec3::Z * 1e-45]];
     let tiny_bvh = Bvh::build(&tiny);
-    let tracer = Tracer::new(Geometry { still: &tiny, moving: &[] }, &tiny_bvh, None);
+    let tracer = Tracer::new(Geometry::plain(&tiny, &[]), &tiny_bvh, None);
     assert!(tracer.occluded(DVec3::new(1e-41, 1e-41, 1e-40), DVec3::NEG_Z, 0.0, 1.0));
-    let empty = Tracer::new(Geometry { still: &[], moving: &[] }, &none, None);
+    let empty = Tracer::new(Geometry::plain(&[], &[]), &none, None);
     assert!(see(&empty, &look_down(1.0), Film { width: 3, height: 3 }).depths_m.iter().all(|d| d.is_infinite()));
     assert!(see(&empty, &look_down(1.0), Film { width: 0, height: 3 }).triangles.is_empty());
     assert_eq!(RayOffset::for_scene(&empty).metres, 0.0);
@@ -285,7 +285,7 @@ fn hostile_rays_and_scenes_answer_without_panic() {
 fn many_equal_triangles_make_no_tree_too_deep() {
     let triangles = vec![[Vec3::ZERO, Vec3::X, Vec3::Y]; 5000];
     let bvh = Bvh::build(&triangles);
-    let tracer = Tracer::new(Geometry { still: &triangles, moving: &[] }, &bvh, None);
+    let tracer = Tracer::new(Geometry::plain(&triangles, &[]), &bvh, None);
     let hit = tracer.closest(DVec3::new(0.2, 0.2, 1.0), DVec3::NEG_Z, 0.0, 9.0);
     assert_eq!(hit.map(|h| (h.triangle, h.t)), Some((0, 1.0)));
 }
@@ -299,7 +299,7 @@ fn any_number_of_threads_gives_the_same_film() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
             let bvh = Bvh::build(&triangles);
-            let tracer = Tracer::new(Geometry { still: &triangles, moving: &[] }, &bvh, None);
+            let tracer = Tracer::new(Geometry::plain(&triangles, &[]), &bvh, None);
             let view = see(&tracer, &camera, film);
             let answers = classify(&tracer, &view, &camera, &light, RayOffset::for_scene(&tracer));
             (view.triangles, view.depths_m, answers)
@@ -322,7 +322,7 @@ fn large_planes_do_not_shadow_themselves_at_grazing_light() {
         let middle = corner(0.1, 0.2);
         let triangles = [[a, b, middle], [b, c, middle], [c, d, middle], [d, a, middle]];
         let bvh = Bvh::build(&triangles);
-        let tracer = Tracer::new(Geometry { still: &triangles, moving: &[] }, &bvh, None);
+        let tracer = Tracer::new(Geometry::plain(&triangles, &[]), &bvh, None);
         let offset = RayOffset::for_scene(&tracer);
         let camera = Camera { position: centre + normal * 50.0, ..toward(-normal) };
         for _ in 0..20 {

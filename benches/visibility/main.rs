@@ -38,7 +38,7 @@ fn run(workload: &Workload, rival: Option<(&std::path::Path, &str)>) -> Result<(
     let triangles = &workload.triangles;
     let builds: Vec<f64> = (0..3).map(|_| milliseconds(|| drop(std::hint::black_box(Bvh::build(triangles))))).collect();
     let bvh = Bvh::build(triangles);
-    let tracer = Tracer::new(Geometry { still: triangles, moving: &[] }, &bvh, None);
+    let tracer = Tracer::new(Geometry::plain(triangles, &[]), &bvh, None);
     let rays = workload.rays(&tracer);
     println!(
         "{}: {} triangles, {} closest-hit rays, {} any-hit rays",

@@ -83,7 +83,7 @@ mod tests {
             [v(-1.0, 0.9, -1.0), v(1.0, -0.2, -1.0), v(-1.0, 0.4, 1.0)],
             [v(1.0, -0.2, -1.0), v(1.0, -0.7, 1.0), v(-1.0, 0.4, 1.0)],
         ];
-        let geometry = Geometry { still: &triangles, moving: &[] };
+        let geometry = Geometry::plain(&triangles, &[]);
         let m = DMat4::from_cols(
             DVec4::new(1.0, 0.0, 0.0, 0.0),
             DVec4::new(0.0, 0.0, -1.0, 0.0),

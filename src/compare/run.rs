@@ -9,7 +9,7 @@ use crate::math::Bounds;
 use crate::measure::{Outside, Receivers};
 use crate::plan::{PlanError, Stage, Watch, load_shot};
 use crate::samples::{Grid, GridView, LightView, sample_light};
-use crate::scene::{Camera, Film, Geometry, Light};
+use crate::scene::{Camera, Film, Light};
 use crate::visibility::{Bvh, RayOffset, Tracer, View, classify, see};
 use std::borrow::Cow;
 use std::path::Path;
@@ -47,7 +47,7 @@ pub fn compare(loaded: &LoadedJob, params: &CompareParams, watch: &Watch) -> Res
     let mut cases: Vec<(CaseLight, Vec<PerLight>)> = Vec::new();
     for time in &shot.frames {
         let frame = shot.scene.frame(time.time_s)?;
-        let geometry = Geometry { still: &shot.scene.still, moving: &frame.moving };
+        let geometry = shot.scene.geometry(&frame);
         let moving = (!frame.moving.is_empty()).then(|| Bvh::build(&frame.moving));
         let tracer = Tracer::new(geometry, &still, moving.as_ref());
         let view = see(&tracer, &frame.camera, shot.film);

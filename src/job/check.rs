@@ -87,14 +87,21 @@ fn scene(job: &Job) -> Result<(), Problem> {
     if job.scene.is_empty() {
         return Err(problem("scene", "no scene file is named", "add `scene = \"file.gltf\"` at the top of the job"));
     }
-    match job.scene.iter().position(|path| !is_scene_file(path)) {
-        Some(i) => Err(problem(
-            format!("scene[{i}]"),
-            format!("`{}` is not a scene file", job.scene[i].display()),
-            "name a .gltf, .glb or .obj file",
-        )),
-        None => Ok(()),
+    for (i, file) in job.scene.iter().enumerate() {
+        if !is_scene_file(file.path()) {
+            let message = format!("`{}` is not a scene file", file.path().display());
+            return Err(problem(format!("scene[{i}]"), message, "name a .gltf, .glb or .obj file"));
+        }
+        for row in file.transform.iter().flatten() {
+            finite(&format!("scene[{i}].transform"), row)?;
+        }
+        if file.transform.is_some_and(|rows| rows[3] != [0.0, 0.0, 0.0, 1.0]) {
+            let message = "the last row is not 0 0 0 1";
+            let help = "give 4 rows of 4 for column vectors: translations go into the last column";
+            return Err(problem(format!("scene[{i}].transform"), message, help));
+        }
     }
+    Ok(())
 }
 
 fn light(key: &str, params: &LightParams) -> Result<(), Problem> {

@@ -9,6 +9,7 @@ use toml::{Table, Value};
 
 use super::layers::lay_over;
 use super::{Job, JobError, Preset, Problem, check, is_scene_file, locate};
+use crate::scene::{CameraParams, SceneFile};
 
 /// Bytes a job file may have: room for a long camera path, and an end to reading a device.
 const JOB_BYTES_MAX: u64 = 16 << 20;
@@ -25,9 +26,15 @@ pub struct LoadedJob {
 }
 
 impl LoadedJob {
-    /// The scene files as paths that can be opened.
-    pub fn scene_paths(&self) -> Vec<PathBuf> {
-        self.job.scene.iter().map(|scene| self.dir.join(scene)).collect()
+    /// The scene files, with paths that can be opened.
+    pub fn scene_files(&self) -> Vec<SceneFile> {
+        self.job.scene.iter().map(|scene| scene.at(self.dir.join(scene.path()))).collect()
+    }
+
+    /// `[camera]`, with a path that can be opened.
+    pub fn camera(&self) -> CameraParams {
+        let camera = self.job.camera.clone();
+        CameraParams { file: camera.file.map(|file| self.dir.join(file)), ..camera }
     }
 }
 

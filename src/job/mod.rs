@@ -12,16 +12,17 @@ mod layers;
 mod load;
 mod locate;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use schemars::JsonSchema;
-use serde::de::{self, SeqAccess, Visitor};
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{self, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::methods::SolverParams;
 use crate::resolution::{MapParams, QualityParams};
 use crate::samples::SamplingParams;
-use crate::scene::{CameraParams, FramesParams, ImageParams, LightParams};
+use crate::scene::{CameraParams, FramesParams, ImageParams, LightParams, SceneFile, VisibilityParams};
 
 pub use check::{Problem, check, check_solver};
 pub use error::{JobError, Located};
@@ -33,10 +34,11 @@ pub use load::{LoadedJob, load};
 #[serde(deny_unknown_fields, default)]
 #[schemars(extend("required" = ["scene"]))]
 pub struct Job {
-    /// One or several scene files (.gltf, .glb, .obj), relative to the job file.
+    /// One or several scene files (.gltf, .glb, .obj), relative to the job file: names, or tables with `file`, `transform`,
+    /// `up` and `unit`.
     #[serde(deserialize_with = "one_or_many")]
     #[schemars(with = "OneOrMany")]
-    pub scene: Vec<PathBuf>,
+    pub scene: Vec<SceneFile>,
     /// The settings that the job and the command line are laid over.
     pub preset: Preset,
     /// Which moments are planned.
@@ -48,6 +50,8 @@ pub struct Job {
     /// The lights; none = all lights of the scene's files.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub light: Vec<LightParams>,
+    /// What is there to be seen and to cast shadows.
+    pub visibility: VisibilityParams,
     /// The bound that maps have to meet.
     pub quality: QualityParams,
     /// What maps may look like.
@@ -58,38 +62,42 @@ pub struct Job {
     pub solver: SolverParams,
 }
 
-/// The two ways of writing `scene`, for the schema only.
+/// The ways of writing `scene`, for the schema only.
 #[derive(JsonSchema)]
 #[schemars(untagged)]
 #[expect(dead_code, reason = "never built: it describes what `one_or_many` accepts")]
 enum OneOrMany {
-    One(PathBuf),
-    Many(Vec<PathBuf>),
+    One(SceneFile),
+    Many(Vec<SceneFile>),
 }
 
-/// Reads a string or a list of strings. A visitor rather than an untagged enum: those lose the line of an error.
-fn one_or_many<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<PathBuf>, D::Error> {
-    struct Paths;
-    impl<'de> Visitor<'de> for Paths {
-        type Value = Vec<PathBuf>;
+/// Reads a file or a list of files. A visitor rather than an untagged enum: those lose the line of an error.
+fn one_or_many<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<SceneFile>, D::Error> {
+    struct Files;
+    impl<'de> Visitor<'de> for Files {
+        type Value = Vec<SceneFile>;
 
         fn expecting(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
-            f.write_str("a file name or a list of file names")
+            f.write_str("a file name, a table with `file`, or a list of these")
         }
 
         fn visit_str<E: de::Error>(self, path: &str) -> Result<Self::Value, E> {
-            Ok(vec![PathBuf::from(path)])
+            Ok(vec![SceneFile::from(path)])
+        }
+
+        fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Self::Value, A::Error> {
+            Ok(vec![SceneFile::deserialize(MapAccessDeserializer::new(map))?])
         }
 
         fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Self::Value, A::Error> {
-            let mut paths = Vec::new();
-            while let Some(path) = seq.next_element()? {
-                paths.push(path);
+            let mut files = Vec::new();
+            while let Some(file) = seq.next_element()? {
+                files.push(file);
             }
-            Ok(paths)
+            Ok(files)
         }
     }
-    deserializer.deserialize_any(Paths)
+    deserializer.deserialize_any(Files)
 }
 
 /// Extensions of scene files, lower case.

@@ -7,17 +7,18 @@ use super::{FramePlan, Plan, PlanCamera, PlanError, PlannedJob, Stage, Watch, ha
 use crate::job::{Job, LoadedJob};
 use crate::math::{Bounds, rows_of};
 use crate::samples::{Grid, GridView};
-use crate::scene::{self, Geometry, Shot, ShotParams};
+use crate::scene::{self, Shot, ShotParams};
 use crate::visibility::{Bvh, RayOffset, Tracer, see};
 
 /// Reads the files of a job.
 pub(crate) fn load_shot(job: &LoadedJob) -> Result<Shot, PlanError> {
     let params = ShotParams {
-        scene: &job.scene_paths(),
+        scene: &job.scene_files(),
         frames: &job.job.frames,
         image: &job.job.image,
-        camera: &job.job.camera,
+        camera: &job.camera(),
         lights: &job.job.light,
+        visibility: &job.job.visibility,
     };
     Ok(scene::load(&params)?)
 }
@@ -42,7 +43,7 @@ pub fn make(loaded: &LoadedJob, plan_dir: &Path, timings: bool, watch: &Watch) -
     let mut done = 0;
     for time in &shot.frames {
         let frame = shot.scene.frame(time.time_s)?;
-        let geometry = Geometry { still: &shot.scene.still, moving: &frame.moving };
+        let geometry = shot.scene.geometry(&frame);
         let moving = (!frame.moving.is_empty()).then(|| Bvh::build(&frame.moving));
         let tracer = Tracer::new(geometry, &still, moving.as_ref());
         let bounds = still_bounds.union(Bounds::of(frame.moving.iter().flatten().map(|v| v.as_dvec3())));
@@ -86,6 +87,7 @@ pub fn make(loaded: &LoadedJob, plan_dir: &Path, timings: bool, watch: &Watch) -
     }
     let inputs = hash_inputs(&shot.scene.inputs, plan_dir)?;
     let mut resolved = loaded.job.clone();
-    resolved.scene = loaded.scene_paths().iter().map(|p| relative_path(p, plan_dir).into()).collect();
+    resolved.scene = loaded.scene_files().iter().map(|f| f.at(relative_path(f.path(), plan_dir).into())).collect();
+    resolved.camera.file = loaded.camera().file.map(|file| relative_path(&file, plan_dir).into());
     Ok(Plan::new(PlannedJob { job: resolved, inputs }, shot.scene.origin.to_array(), frames))
 }

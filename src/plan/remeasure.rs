@@ -5,8 +5,9 @@
 
 use super::{MapPlan, domain};
 use crate::math::matrix_from_rows;
-use crate::measure::{Certainty, Drawn, Outside, Receivers, Verdict, wrong};
-use crate::raster::{Bias, RasterError, draw};
+use crate::measure::{Certainty, Drawn, Receivers, Verdict, wrong};
+use crate::raster::{Bias, Canvas, RasterError};
+use crate::resolution::{MapParams, SingleSided};
 use crate::scene::{Camera, Light};
 use crate::visibility::{RayOffset, Tracer, View};
 
@@ -33,26 +34,30 @@ pub(super) struct Remeasured {
     pub(super) verdict: Verdict,
 }
 
-/// Draws a light's maps and looks every pixel up. Without maps every answer is `outside`.
+/// Draws a light's maps and looks every pixel up. Without maps every answer is that of `outside`.
 pub(super) fn remeasure(
     seeing: &Seeing,
     light: &Light,
     maps: &[MapPlan],
-    outside: Outside,
+    params: &MapParams,
 ) -> Result<Remeasured, RasterError> {
     let Seeing { tracer, camera, view, offset } = *seeing;
     let receivers = Receivers::classify(tracer, view, camera, light, offset);
-    let drawn = maps.iter().map(|map| draw_map(tracer, map)).collect::<Result<Vec<_>, _>>()?;
-    let wrong = wrong(&receivers, &drawn, outside);
+    let drawn =
+        maps.iter().map(|map| draw_map(tracer, light, map, params.single_sided)).collect::<Result<Vec<_>, _>>()?;
+    let wrong = wrong(&receivers, &drawn, params.outside);
     let uncertain = Certainty::new(tracer, view, camera, light, &receivers, offset).uncertain(&wrong);
     let verdict = Verdict::of(&receivers, &wrong, &uncertain);
     Ok(Remeasured { receivers, drawn, wrong, uncertain, verdict })
 }
 
-fn draw_map(tracer: &Tracer, map: &MapPlan) -> Result<Drawn, RasterError> {
+fn draw_map(tracer: &Tracer, light: &Light, map: &MapPlan, sides: SingleSided) -> Result<Drawn, RasterError> {
     let clip_from_scene = matrix_from_rows(&map.clip_from_world);
     let bias =
         Bias { constant: map.bias.constant, slope: map.bias.slope, clamp: map.bias.clamp.unwrap_or(f64::INFINITY) };
-    let depth = draw(tracer.geometry(), &clip_from_scene, map.width, map.height, bias)?;
-    Ok(Drawn { domain: domain::read(&map.domain), clip_from_scene, map: depth })
+    let geometry = tracer.geometry();
+    let mut canvas = Canvas::default();
+    let keep = |index: u32| sides.draws(geometry, light, index);
+    canvas.draw(geometry, &clip_from_scene, map.width, map.height, bias, keep)?;
+    Ok(Drawn { domain: domain::read(&map.domain), clip_from_scene, map: canvas.map })
 }

@@ -14,7 +14,7 @@ use super::{LightPlan, PlanError, Watch, make};
 use crate::job::LoadedJob;
 use crate::picture::write_exr;
 use crate::samples::{Grid, GridView, LightView, sample_light};
-use crate::scene::{Geometry, Light, LightParams};
+use crate::scene::{Light, LightParams};
 use crate::visibility::{Bvh, RayOffset, Tracer, see};
 use film::Film;
 
@@ -47,7 +47,7 @@ pub fn render(
     let (Some(planned), Some(time)) = (plan.frames.first(), shot.frames.first()) else { return Ok(files.written) };
     let still = Bvh::build(&shot.scene.still);
     let posed = shot.scene.frame(time.time_s)?;
-    let geometry = Geometry { still: &shot.scene.still, moving: &posed.moving };
+    let geometry = shot.scene.geometry(&posed);
     let moving = (!posed.moving.is_empty()).then(|| Bvh::build(&posed.moving));
     let tracer = Tracer::new(geometry, &still, moving.as_ref());
     let view = see(&tracer, &posed.camera, shot.film);
@@ -58,7 +58,7 @@ pub fn render(
     let mut film = Film::new(&seeing);
     for (entry, light) in planned.lights.iter().zip(&posed.lights) {
         watch.check()?;
-        let measured = remeasure(&seeing, light, &entry.maps, loaded.job.map.outside)?;
+        let measured = remeasure(&seeing, light, &entry.maps, &loaded.job.map)?;
         let answers = &grid.answers(&tracer, &posed.camera, light, offset);
         let lit = LightView { tracer: &tracer, camera: &posed.camera, view: &grid, light, offset, answers };
         let samples = sample_light(&lit, loaded.job.sampling.refine, false);

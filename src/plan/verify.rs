@@ -19,7 +19,7 @@ use super::make::load_shot;
 use super::remeasure::Seeing;
 use super::{Input, Plan, PlanError, Stage, Watch, sha256_hex};
 use crate::job::{self, LoadedJob};
-use crate::scene::{Geometry, Shot};
+use crate::scene::Shot;
 use crate::visibility::{Bvh, RayOffset, Tracer, see};
 
 /// What a check of a plan found.
@@ -119,7 +119,7 @@ fn measure(plan: &Plan, shot: &Shot, found: &mut Verification, watch: &Watch) ->
         let Some(time) = shot.frames.iter().find(|time| time.frame == planned.frame) else { continue };
         let frame = shot.scene.frame(time.time_s)?;
         found.problems.extend(claims::of_a_frame(planned, &frame, shot.film));
-        let geometry = Geometry { still: &shot.scene.still, moving: &frame.moving };
+        let geometry = shot.scene.geometry(&frame);
         let moving = (!frame.moving.is_empty()).then(|| Bvh::build(&frame.moving));
         let tracer = Tracer::new(geometry, &still, moving.as_ref());
         let view = see(&tracer, &frame.camera, shot.film);

@@ -80,15 +80,7 @@ fn project(view: &View, triangles: &[Triangle], lanes: &mut Lanes<LANES>, inside
         }
         for i in 0..LANES {
             let p = view.project(x[i], y[i], z[i]);
-            // Written so that NaN is not inside.
-            let d = view.distances(p);
-            inside[i] &= (d[0] >= 0.0)
-                & (d[1] >= 0.0)
-                & (d[2] >= 0.0)
-                & (d[3] >= 0.0)
-                & (d[4] >= 0.0)
-                & (d[5] >= 0.0)
-                & (p[3] > 0.0);
+            inside[i] &= view.holds(p);
             [lanes.x[corner][i], lanes.y[corner][i], lanes.z[corner][i]] = divided(p);
         }
     }
@@ -96,7 +88,7 @@ fn project(view: &View, triangles: &[Triangle], lanes: &mut Lanes<LANES>, inside
 
 /// A counting sort of references to the set-up triangles.
 #[inline(always)]
-fn list_by_band(view: &View, bins: &mut Bins) {
+pub(super) fn list_by_band(view: &View, bins: &mut Bins) {
     let span = |setup: &Setup| setup.y_texels.map(|y| u32::from(y) >> view.bands.rows_log2);
     let Bins { setups, entries, starts, tall, .. } = bins;
     tall.clear();

@@ -5,6 +5,7 @@
 //! functions; others get each row's exact span by integer division in i64.
 
 use super::setup::{SUBTEXELS, Setup};
+use std::ops::{Range, RangeInclusive};
 
 /// Texels tested at once: one 256-bit register of f32 or i32.
 const LANES: usize = 8;
@@ -42,7 +43,7 @@ pub(super) fn fill(band: &mut Band, setup: &Setup) {
         && band.width >= LANES as i32
         && extent(&setup.x) <= EXTENT_I32_MAX
         && extent(&setup.y) <= EXTENT_I32_MAX;
-    if small { fill_tested(band, setup, y0, y1) } else { fill_spans(band, setup, y0, y1) }
+    if small { fill_tested(band, setup, y0, y1) } else { fill_spans(band, setup) }
 }
 
 /// The edge function's offset that leaves the points of edges that are not top or left outside.
@@ -106,24 +107,67 @@ fn fill_block(band: &mut Band, setup: &Setup, block: i32, y0: i32, y1: i32) {
 
 /// Fills each row from its first to its last covered texel.
 #[inline(always)]
-fn fill_spans(band: &mut Band, setup: &Setup, y0: i32, y1: i32) {
-    let half = i64::from(SUBTEXELS / 2);
-    let step = i64::from(SUBTEXELS);
-    let [x0, x1] = setup.x_texels.map(i64::from);
+fn fill_spans(band: &mut Band, setup: &Setup) {
+    let Some(spans) = Spans::new(band, setup) else { return };
     let [least, most] = setup.z_range;
-    // Of each edge: its function at the centre of (x0, y0), and what a texel to the right takes and one up adds.
-    let edges: [(i64, i64, i64); 3] = std::array::from_fn(|i| {
-        let j = (i + 1) % 3;
-        let (ax, ay) = (i64::from(setup.x[i]), i64::from(setup.y[i]));
-        let (dx, dy) = (i64::from(setup.x[j]) - ax, i64::from(setup.y[j]) - ay);
-        let e = dx * (i64::from(y0) * step + half - ay) - dy * (x0 * step + half - ax)
-            + i64::from(tie(setup.x[j] - setup.x[i], setup.y[j] - setup.y[i]));
-        (e, dy * step, dx * step)
-    });
-    for y in y0..=y1 {
-        let (mut first, mut last) = (0, x1 - x0);
-        for (e, fall, rise) in edges {
-            let e = e + rise * i64::from(y - y0);
+    let x_first = i32::from(setup.x_texels[0]);
+    for y in spans.rows() {
+        let row = spans.row(y);
+        if row.is_empty() {
+            continue;
+        }
+        let z = setup.z + setup.z_v * f64::from(y - i32::from(setup.y_texels[0]));
+        let start = (y - band.y) as usize * band.width as usize;
+        let texels = &mut band.depth[start + row.start as usize..start + row.end as usize];
+        for (i, texel) in texels.iter_mut().enumerate() {
+            let depth =
+                nearer(farther((z + setup.z_u * f64::from(row.start - x_first + i as i32)) as f32, least), most);
+            *texel = nearer(depth, *texel);
+        }
+    }
+}
+
+/// The texels of a band that a triangle covers, row by row.
+pub(super) struct Spans {
+    /// Of each edge: its function at the centre of the first texel, what a texel to the right takes and one up adds.
+    edges: [(i64, i64, i64); 3],
+    x: [i32; 2],
+    y: [i32; 2],
+}
+
+impl Spans {
+    /// `None` when the triangle's box and the band have no row in common.
+    #[inline(always)]
+    pub(super) fn new(band: &Band, setup: &Setup) -> Option<Spans> {
+        let (half, step) = (i64::from(SUBTEXELS / 2), i64::from(SUBTEXELS));
+        let x = setup.x_texels.map(i32::from);
+        let y = [i32::from(setup.y_texels[0]).max(band.y), i32::from(setup.y_texels[1]).min(band.y + band.rows - 1)];
+        if y[0] > y[1] {
+            return None;
+        }
+        let edges = std::array::from_fn(|i| {
+            let j = (i + 1) % 3;
+            let (ax, ay) = (i64::from(setup.x[i]), i64::from(setup.y[i]));
+            let (dx, dy) = (i64::from(setup.x[j]) - ax, i64::from(setup.y[j]) - ay);
+            let e = dx * (i64::from(y[0]) * step + half - ay) - dy * (i64::from(x[0]) * step + half - ax)
+                + i64::from(tie(setup.x[j] - setup.x[i], setup.y[j] - setup.y[i]));
+            (e, dy * step, dx * step)
+        });
+        Some(Spans { edges, x, y })
+    }
+
+    /// Rows that may hold covered texels.
+    #[inline(always)]
+    pub(super) fn rows(&self) -> RangeInclusive<i32> {
+        self.y[0]..=self.y[1]
+    }
+
+    /// Columns covered in a row.
+    #[inline(always)]
+    pub(super) fn row(&self, y: i32) -> Range<i32> {
+        let (mut first, mut last) = (0, i64::from(self.x[1] - self.x[0]));
+        for (e, fall, rise) in self.edges {
+            let e = e + rise * i64::from(y - self.y[0]);
             if fall < 0 {
                 // e - fall k ≥ 0 from k = ceil(e / fall) on.
                 first = first.max(-e.div_euclid(-fall));
@@ -134,26 +178,20 @@ fn fill_spans(band: &mut Band, setup: &Setup, y0: i32, y1: i32) {
             }
         }
         if first > last {
-            continue;
+            return 0..0;
         }
-        let z = setup.z + setup.z_v * f64::from(y - i32::from(setup.y_texels[0]));
-        let start = (y - band.y) as usize * band.width as usize + x0 as usize;
-        let texels = &mut band.depth[start + first as usize..=start + last as usize];
-        for (i, texel) in texels.iter_mut().enumerate() {
-            let depth = nearer(farther((z + setup.z_u * f64::from(first as i32 + i as i32)) as f32, least), most);
-            *texel = nearer(depth, *texel);
-        }
+        self.x[0] + first as i32..self.x[0] + last as i32 + 1
     }
 }
 
 /// The lesser; one instruction, where `f32::min` also has to look for NaN.
 #[inline(always)]
-fn nearer(a: f32, b: f32) -> f32 {
+pub(super) fn nearer(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
 }
 
 /// The greater.
 #[inline(always)]
-fn farther(a: f32, b: f32) -> f32 {
+pub(super) fn farther(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
 }

@@ -8,6 +8,8 @@
 //! x/w, y/w and z/w, so each triangle has one plane; it is evaluated in f64, and clamped to the triangle's own
 //! depths, which tames slivers. Then the bias is added and the sum is rounded to f32.
 //!
+//! Triangles with holes are drawn after the others, texel by texel as their masks say (`cutout`).
+//!
 //! Deviation from hardware: the plane comes from the unsnapped vertices, so that depth does not jitter by 1/256 texel.
 //!
 //! The work is sort-middle: chunks of triangles are transformed and set up in parallel and binned by bands of rows
@@ -16,6 +18,7 @@
 
 mod bins;
 mod clip;
+mod cutout;
 mod fill;
 mod kernel;
 mod setup;
@@ -159,6 +162,8 @@ impl Canvas {
         self.map.depth.resize(texels, FAR);
         (self.map.width, self.map.height) = (width, height);
 
+        let any_cut = geometry.cut().next().is_some();
+        let whole = |index: u32| keep(index) && !(any_cut && geometry.cutout(index).is_some());
         let chunks = chunks(geometry);
         if chunks.is_empty() {
             self.map.depth.fill(FAR);
@@ -170,7 +175,7 @@ impl Canvas {
             }
             let bins = &mut self.bins[..batch.len()];
             batch.par_iter().zip(bins.par_iter_mut()).for_each(|(&(first, triangles), bins)| {
-                kernel::set_up_chunk(&view, first, triangles, &keep, bins);
+                kernel::set_up_chunk(&view, first, triangles, &whole, bins);
             });
             let band_texels = (width as usize) << view.bands.rows_log2;
             self.map.depth.par_chunks_mut(band_texels).enumerate().for_each(|(band, depth)| {
@@ -182,6 +187,9 @@ impl Canvas {
             counts.kept += bins.iter().map(|b| u64::from(b.kept)).sum::<u64>();
             counts.drawn += bins.iter().map(|b| u64::from(b.drawn)).sum::<u64>();
         }
+        let cut = cutout::draw(&view, geometry, &keep, &mut self.map.depth);
+        counts.kept += cut.kept;
+        counts.drawn += cut.drawn;
         Ok(counts)
     }
 }

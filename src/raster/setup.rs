@@ -33,6 +33,15 @@ pub(super) struct Setup {
     pub(super) z_range: [f32; 2],
 }
 
+impl Setup {
+    /// The depth plane at the centre of a texel of the box.
+    #[inline(always)]
+    pub(super) fn depth_at(&self, x: i32, y: i32) -> f64 {
+        let z = self.z + self.z_v * f64::from(y - i32::from(self.y_texels[0]));
+        z + self.z_u * f64::from(x - i32::from(self.x_texels[0]))
+    }
+}
+
 /// Up to `N` triangles in window space: `x[corner][triangle]` and so on. Lanes not in use hold anything.
 pub(super) struct Lanes<const N: usize> {
     /// Texels from the left.

@@ -84,6 +84,13 @@ impl View {
         std::array::from_fn(|row| (c0[row] * x + c1[row] * y) + (c2[row] * z + c3[row]))
     }
 
+    /// True for a homogeneous window position within all clip planes; never for NaN.
+    #[inline(always)]
+    pub(super) fn holds(&self, p: [f64; 4]) -> bool {
+        let d = self.distances(p);
+        (d[0] >= 0.0) & (d[1] >= 0.0) & (d[2] >= 0.0) & (d[3] >= 0.0) & (d[4] >= 0.0) & (d[5] >= 0.0) & (p[3] > 0.0)
+    }
+
     /// Signed distances of a homogeneous window position to the clip planes, positive inside: near, far, and the guard
     /// band's left, right, bottom and top.
     #[inline(always)]

@@ -146,7 +146,9 @@ impl<'a> Judge<'a> {
     }
 
     fn drawn(&mut self, map: &JudgedMap, [width, height]: [u32; 2], bias: Bias) -> Result<Drawn, RasterError> {
-        let counts = self.canvas.draw(self.tracer.geometry(), &map.clip_from_scene, width, height, bias, |_| true)?;
+        let (geometry, light, sides) = (self.tracer.geometry(), self.question.light, self.question.map.single_sided);
+        let keep = |index: u32| sides.draws(geometry, light, index);
+        let counts = self.canvas.draw(geometry, &map.clip_from_scene, width, height, bias, keep)?;
         self.texels_drawn += u64::from(width) * u64::from(height);
         self.triangles_drawn += counts.drawn;
         let depth = std::mem::take(&mut self.canvas.map);

@@ -14,7 +14,7 @@ pub use bias::default_bias;
 pub use certify::{Certified, Trial, certify, predict_only};
 pub use fitted::{FilmQuestion, FittedLight, fit_light, predict};
 pub use judge::{Judge, JudgedMap};
-pub use params::{AspectRule, BiasParams, Bound, MapParams, Measure, QualityParams, SIZE_MAX};
+pub use params::{AspectRule, BiasParams, Bound, MapParams, Measure, QualityParams, SIZE_MAX, SingleSided};
 pub use polish::polish;
 pub use search::{Probe, smallest};
 pub use shares::shares;

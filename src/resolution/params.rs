@@ -2,6 +2,7 @@
 
 use crate::fit::Shape;
 use crate::measure::Outside;
+use crate::scene::{Geometry, Light};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -77,6 +78,35 @@ pub enum AspectRule {
     Fixed,
 }
 
+/// Which sides of triangles a renderer draws into its maps. glTF materials that are `doubleSided` are always drawn whole.
+/// Only the drawn maps follow: the exact answer, against which they are measured, is shadow from both sides.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum SingleSided {
+    /// Both sides.
+    #[default]
+    Both,
+    /// Triangles that turn their front to the light are left out: second-depth maps.
+    CullFront,
+    /// Triangles that turn their back to the light are left out.
+    CullBack,
+}
+
+impl SingleSided {
+    /// Whether a triangle is drawn into a map of a light. Fronts are counter-clockwise; a triangle seen edge-on is drawn.
+    pub fn draws(self, geometry: Geometry, light: &Light, index: u32) -> bool {
+        let facing = || {
+            let [a, b, c] = geometry.triangle_f64(index);
+            (b - a).cross(c - a).dot(light.towards(a))
+        };
+        match self {
+            SingleSided::Both => true,
+            SingleSided::CullFront => facing() <= 0.0 || geometry.two_sided(index),
+            SingleSided::CullBack => facing() >= 0.0 || geometry.two_sided(index),
+        }
+    }
+}
+
 /// `[map]`: what the maps may look like and how they are looked up.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
@@ -99,6 +129,8 @@ pub struct MapParams {
     pub step: f64,
     /// Whether width and height are chosen apart.
     pub aspect: AspectRule,
+    /// Which sides of single-sided triangles are drawn.
+    pub single_sided: SingleSided,
     /// The depth bias under which the plan is made.
     pub bias: BiasParams,
 }
@@ -118,6 +150,7 @@ impl Default for MapParams {
             power_of_two: false,
             step: 1.02,
             aspect: AspectRule::default(),
+            single_sided: SingleSided::default(),
             bias: BiasParams::default(),
         }
     }

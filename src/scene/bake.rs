@@ -1,5 +1,6 @@
 //! Still and moving parts, the scene's origin, and triangles in scene space.
 
+use super::marks::Marks;
 use super::mesh::has_area;
 use super::model::{Mesh, Model, Node, Part};
 use super::pose::{Pose, animated_nodes};
@@ -115,6 +116,15 @@ pub(super) fn split(model: &Model, frames: &[FrameTime]) -> Result<Split, SceneE
     Ok(Split { still, moving, animated, first, bounds })
 }
 
+/// Triangles in scene space, and their marks.
+#[derive(Debug, Default)]
+pub(super) struct Placed {
+    /// In the order of their parts.
+    pub triangles: Vec<Triangle>,
+    /// Of the triangles.
+    pub marks: Marks,
+}
+
 /// Where scene space has its zero, world metres. Along each axis it is the world's, unless f32 vertices would then be
 /// rounded by more than [`MAX_ROUNDING_OF_DIAGONAL`]; else the centre of the bounds, rounded to a multiple of the
 /// greatest power of two that is at most the diagonal: such a number is short in decimal and exact in f32.
@@ -141,7 +151,7 @@ pub(super) fn place_part(
     world_from_node: &DAffine3,
     origin: DVec3,
     time_s: f64,
-    out: &mut Vec<Triangle>,
+    out: &mut Placed,
 ) -> Result<usize, SceneError> {
     let placed: Vec<_> =
         mesh.vertices.iter().map(|&v| (world_from_node.transform_point3(v) - origin).as_vec3()).collect();
@@ -149,13 +159,17 @@ pub(super) fn place_part(
         return Err(node.pose_error("a vertex overflows; check the scales above it", time_s));
     }
     let mirrored = world_from_node.matrix3.determinant() < 0.0;
-    let before = out.len();
-    out.extend(mesh.triangles.iter().filter_map(|&[a, b, c]| {
+    let before = out.triangles.len();
+    for (&[a, b, c], k) in mesh.triangles.iter().zip(0_u32..) {
         let [b, c] = if mirrored { [c, b] } else { [b, c] };
         let corners = [a, b, c].map(|index| placed[index as usize]);
-        has_area(corners.map(|v| v.as_dvec3())).then_some(corners)
-    }));
-    Ok(mesh.triangles.len() - (out.len() - before))
+        if has_area(corners.map(|v| v.as_dvec3())) {
+            out.triangles.push(corners);
+            let mark = mesh.marks.get(k);
+            out.marks.push(if mirrored { mark.turned() } else { mark });
+        }
+    }
+    Ok(mesh.triangles.len() - (out.triangles.len() - before))
 }
 
 #[cfg(test)]

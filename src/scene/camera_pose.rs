@@ -1,7 +1,7 @@
 //! Cameras that the job describes: one pose, keyframes of poses, or a view of everything.
 //!
 //! Each property (position, look_at or rotation, fov, near, far) is a track of its own through those keys that state
-//! it; a key that does not state it leaves it alone. `[camera]` itself supplies the properties that no key states.
+//! it, straight, smooth or in steps; a key that does not state it leaves it alone. `[camera]` itself supplies the properties that no key states.
 
 use super::camera_source::{DEFAULT_FOV_DEG, Surroundings};
 use super::frames::time_s;
@@ -65,13 +65,18 @@ pub(super) fn posed(params: &CameraParams, fps: f64, around: &Surroundings) -> R
     let metres = "must be positive, metres";
     let near = scalars("near", params.near, &keys, fps, |key| key.near, distance, metres)?;
     let far = scalars("far", params.far, &keys, fps, |key| key.far, distance, metres)?;
+    let how = params.interpolation.unwrap_or_default();
+    let aim = match aim {
+        Aim::LookAt(track) => Aim::LookAt(track.running(how)),
+        Aim::Rotation(track) => Aim::Rotation(track.running(how)),
+    };
     Ok(PosedCamera {
         name: "camera",
-        position: points("position", params.position, &keys, fps, |key| key.position)?,
+        position: points("position", params.position, &keys, fps, |key| key.position)?.running(how),
         aim,
-        fov_deg: fov_deg.unwrap_or_else(|| constant(DEFAULT_FOV_DEG)),
-        near: near.unwrap_or_else(|| constant(NEAR_OF_DIAGONAL * around.diagonal)),
-        far,
+        fov_deg: fov_deg.map_or_else(|| constant(DEFAULT_FOV_DEG), |track| track.running(how)),
+        near: near.map_or_else(|| constant(NEAR_OF_DIAGONAL * around.diagonal), |track| track.running(how)),
+        far: far.map(|track| track.running(how)),
     })
 }
 
@@ -227,6 +232,7 @@ fn constant(value: f64) -> Track {
 
 #[cfg(test)]
 mod tests {
+    use super::super::KeyInterpolation;
     use super::*;
 
     fn around() -> Surroundings {
@@ -262,6 +268,32 @@ mod tests {
         assert_eq!(at(7.0).projection, Projection::Perspective { yfov_rad: 40.0_f64.to_radians() });
         assert_eq!(at(99.0).projection, Projection::Perspective { yfov_rad: 50.0_f64.to_radians() });
         assert_eq!((at(1.0).near, at(1.0).far), (0.004, None));
+    }
+
+    #[test]
+    fn keys_run_as_the_job_says() {
+        let key = |frame: f64, x: f64, turn: f64| CameraKey {
+            frame,
+            position: Some([x, 0.0, 0.0]),
+            rotation: Some(glam::DQuat::from_rotation_y(turn).to_array()),
+            ..CameraKey::default()
+        };
+        let keys = [key(1.0, 0.0, 0.0), key(2.0, 1.0, 1.0), key(4.0, 9.0, 3.0), key(5.0, 16.0, 4.0)];
+        let at = |how: KeyInterpolation, frame: f64| {
+            let params = CameraParams { key: keys.to_vec(), interpolation: Some(how), ..CameraParams::default() };
+            let camera = posed(&params, 24.0, &around()).unwrap().at(DVec3::ZERO, time_s(frame, 24.0)).unwrap();
+            let forward = camera.forward();
+            (camera.position.x, (-forward.x).atan2(-forward.z))
+        };
+        assert_eq!(at(KeyInterpolation::Constant, 3.9).0, 1.0);
+        assert!((at(KeyInterpolation::Linear, 3.0).0 - 5.0).abs() < 1e-12);
+        // x = (frame - 1)² has its own slopes at inner keys; the chord from neighbour to neighbour has 3 and 5 here.
+        let (x, turn) = at(KeyInterpolation::CatmullRom, 3.0);
+        assert!((x - (5.0 + 2.0 * (3.0 - 5.0) / 8.0)).abs() < 1e-12, "{x}");
+        assert!((turn - 2.0).abs() < 0.02, "{turn}");
+        for (how, key) in [(KeyInterpolation::CatmullRom, 1), (KeyInterpolation::Constant, 2)] {
+            assert!((at(how, keys[key].frame).0 - keys[key].position.unwrap()[0]).abs() < 1e-12);
+        }
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! Building a [`Mesh`] from vertices and indices of any origin: only vertices in use are kept, flaws are found.
 
+use super::marks::Mark;
 use super::model::Mesh;
 use glam::DVec3;
 
@@ -10,6 +11,8 @@ pub(super) struct MeshBuilder {
     pub mesh: Mesh,
     /// Triangles left out because they have no area.
     pub degenerate: usize,
+    /// Triangles left out because nothing of them is there.
+    pub transparent: usize,
 }
 
 /// Why triangles cannot be used.
@@ -30,13 +33,19 @@ pub(super) enum MeshFlaw {
 const UNUSED: u32 = u32::MAX;
 
 impl MeshBuilder {
-    /// Adds triangles that index `vertices`.
+    /// Adds triangles that index `vertices`; those for whose number `mark` has none are left out. It is asked only for
+    /// triangles whose indices are valid.
     ///
     /// # Errors
     /// The first [`MeshFlaw`]; vertices that no triangle uses are not looked at.
-    pub(super) fn add(&mut self, vertices: &[DVec3], triangles: &[[u32; 3]]) -> Result<(), MeshFlaw> {
+    pub(super) fn add(
+        &mut self,
+        vertices: &[DVec3],
+        triangles: &[[u32; 3]],
+        mark: impl Fn(usize) -> Option<Mark>,
+    ) -> Result<(), MeshFlaw> {
         let mut place_of = vec![UNUSED; vertices.len()];
-        for triangle in triangles {
+        for (number, triangle) in triangles.iter().enumerate() {
             let mut corners = [DVec3::ZERO; 3];
             for (corner, &index) in corners.iter_mut().zip(triangle) {
                 let vertex = vertices.get(index as usize);
@@ -49,6 +58,10 @@ impl MeshBuilder {
                 self.degenerate += 1;
                 continue;
             }
+            let Some(mark) = mark(number) else {
+                self.transparent += 1;
+                continue;
+            };
             let mut kept = [0; 3];
             for (kept, (&index, corner)) in kept.iter_mut().zip(triangle.iter().zip(corners)) {
                 let place = &mut place_of[index as usize];
@@ -62,6 +75,7 @@ impl MeshBuilder {
                 *kept = *place;
             }
             self.mesh.triangles.push(kept);
+            self.mesh.marks.push(mark);
         }
         Ok(())
     }

@@ -1,6 +1,8 @@
 //! What the readers of files hand over: nodes, meshes, cameras and lights of all files of a job in one [`Model`].
 //! Nothing here is resolved yet; names may clash, and nothing has been chosen.
 
+use super::marks::Marks;
+use super::mask::Mask;
 use super::track::{Track, unit_quat};
 use super::{Projection, SceneError};
 use glam::{DAffine3, DQuat, DVec3};
@@ -16,6 +18,8 @@ pub(super) struct Model {
     pub meshes: Vec<Mesh>,
     /// Meshes placed by nodes.
     pub parts: Vec<Part>,
+    /// Of the marks of meshes.
+    pub masks: Vec<Mask>,
     /// In file order.
     pub cameras: Vec<FileCamera>,
     /// In file order.
@@ -122,6 +126,8 @@ pub(super) struct Mesh {
     pub vertices: Vec<DVec3>,
     /// Counter-clockwise from the front.
     pub triangles: Vec<[u32; 3]>,
+    /// Of the triangles.
+    pub marks: Marks,
 }
 
 /// A mesh placed by a node.
@@ -159,6 +165,29 @@ pub(super) struct FileLight {
     pub name: Option<String>,
     /// Without its placement.
     pub kind: FileLightKind,
+}
+
+impl FileCamera {
+    /// Its distances in units of `metres`.
+    pub(super) fn scale(&mut self, metres: f64) {
+        self.near *= metres;
+        self.far = self.far.map(|far| far * metres);
+        if let Projection::Orthographic { half_height } = &mut self.projection {
+            *half_height *= metres;
+        }
+    }
+}
+
+impl FileLight {
+    /// Its distances in units of `metres`.
+    pub(super) fn scale(&mut self, metres: f64) {
+        match &mut self.kind {
+            FileLightKind::Directional => {}
+            FileLightKind::Point { range } | FileLightKind::Spot { range, .. } => {
+                *range = range.map(|range| range * metres);
+            }
+        }
+    }
 }
 
 /// Kinds of KHR_lights_punctual.

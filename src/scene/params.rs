@@ -2,6 +2,7 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
 
 /// `[frames]`: which moments of the animation are planned.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize, JsonSchema)]
@@ -24,13 +25,20 @@ pub struct ImageParams {
     pub size: Option<[u32; 2]>,
 }
 
-/// `[camera]`: a camera of a glTF file by name, a view of everything, one pose, or keyframes of poses.
+/// `[camera]`: a camera of a glTF file by name, a path from a file, a view of everything, one pose, or keyframes of poses.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct CameraParams {
     /// Name of a camera (or of the node that holds it) in a glTF file.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
+    /// A file with the camera, relative to the job file: a path as .chan, or as .json or .csv with a matrix a frame, or
+    /// another .gltf or .glb, of which only the cameras are taken.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub file: Option<PathBuf>,
+    /// Which rotation of a .chan line turns first, second, third. Absent = zxy.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rotation_order: Option<RotationOrder>,
     /// A three-quarter view of the whole scene.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub frame_all: bool,
@@ -52,9 +60,39 @@ pub struct CameraParams {
     /// Far plane, metres; absent = infinite.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub far: Option<f64>,
-    /// Keyframes; values between keys are linear (rotations: shortest arc).
+    /// How values run between keys, of a file too. Absent = linear.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub interpolation: Option<KeyInterpolation>,
+    /// Keyframes.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub key: Vec<CameraKey>,
+}
+
+/// How the values of a camera run between its keys.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum KeyInterpolation {
+    /// Straight; rotations along the shortest arc.
+    #[default]
+    Linear,
+    /// Smooth through all keys: at each the slope from the key before to the key after.
+    CatmullRom,
+    /// As at the last key.
+    Constant,
+}
+
+/// Orders of rotations about fixed axes; the axis named first turns first.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+#[expect(missing_docs, reason = "the name is the order")]
+pub enum RotationOrder {
+    Xyz,
+    Xzy,
+    Yxz,
+    Yzx,
+    #[default]
+    Zxy,
+    Zyx,
 }
 
 /// One `[[camera.key]]`.
@@ -81,6 +119,70 @@ pub struct CameraKey {
     /// Far plane, metres.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub far: Option<f64>,
+}
+
+/// `[visibility]`: what is there to be seen and to cast shadows.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct VisibilityParams {
+    /// What becomes of glTF materials with alphaMode BLEND, and of OBJ materials that are partly transparent (`d`, `Tr`).
+    pub blend: BlendRule,
+}
+
+/// What becomes of a material that is blended: shadow maps have no half shadows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
+#[serde(try_from = "String", into = "String")]
+pub enum BlendRule {
+    /// Casts and receives as if it were opaque.
+    #[default]
+    Opaque,
+    /// Is not there: neither casts a shadow nor receives one.
+    Ignore,
+    /// Is there where its alpha is at least this, 0 to 1.
+    Threshold(f64),
+}
+
+/// What a text needs before the alpha of [`BlendRule::Threshold`].
+const THRESHOLD: &str = "threshold:";
+
+impl TryFrom<String> for BlendRule {
+    type Error = String;
+
+    fn try_from(text: String) -> Result<Self, String> {
+        let threshold = || text.strip_prefix(THRESHOLD)?.trim().parse().ok().filter(|t| (0.0..=1.0).contains(t));
+        match text.as_str() {
+            "opaque" => Ok(BlendRule::Opaque),
+            "ignore" => Ok(BlendRule::Ignore),
+            _ => threshold().map(BlendRule::Threshold).ok_or_else(|| {
+                format!("\"{text}\" is no rule; the rules are \"opaque\", \"ignore\" and \"threshold:0.5\" (0 to 1)")
+            }),
+        }
+    }
+}
+
+impl From<BlendRule> for String {
+    fn from(rule: BlendRule) -> Self {
+        match rule {
+            BlendRule::Opaque => "opaque".into(),
+            BlendRule::Ignore => "ignore".into(),
+            BlendRule::Threshold(alpha) => format!("{THRESHOLD}{alpha}"),
+        }
+    }
+}
+
+impl JsonSchema for BlendRule {
+    fn schema_name() -> std::borrow::Cow<'static, str> {
+        "BlendRule".into()
+    }
+
+    fn json_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
+        schemars::json_schema!({
+            "description": "What becomes of a material that is blended: \"opaque\" = casts and receives as if it were opaque, \
+                \"ignore\" = is not there, \"threshold:0.5\" = is there where its alpha is at least that, 0 to 1.",
+            "type": "string",
+            "pattern": "^(opaque|ignore|threshold: *[0-9.eE+-]+)$"
+        })
+    }
 }
 
 /// A `kind` of light in a job.

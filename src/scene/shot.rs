@@ -1,12 +1,17 @@
 //! Files and parameters → a [`Shot`]: the scene, the film and the frames to plan.
 
-use super::bake::{self, Bounds, Split, place_part};
+use super::bake::{self, Bounds, Placed, Split, place_part};
 use super::camera_source::{self, CameraSource, Surroundings};
 use super::frames::{self, DEFAULT_FPS, FrameTime};
 use super::light_source::{self, LightSource};
+use super::marks::Marks;
+use super::mask::Mask;
 use super::model::{Mesh, Model, Node, Part};
 use super::pose::Pose;
-use super::{CameraParams, Film, FramesParams, ImageParams, LightParams, SceneError, SceneFrame, Triangle, gltf, obj};
+use super::{
+    CameraParams, Film, FramesParams, Geometry, ImageParams, LightParams, SceneError, SceneFile, SceneFrame, Triangle,
+    VisibilityParams, read,
+};
 use glam::DVec3;
 use std::path::PathBuf;
 
@@ -20,16 +25,18 @@ const MAX_SIDE: u32 = 65_535;
 /// The parts of a job that describe a shot.
 #[derive(Clone, Copy, Debug)]
 pub struct ShotParams<'a> {
-    /// Scene files, resolved; merged into one scene.
-    pub scene: &'a [PathBuf],
+    /// Scene files, their paths resolved; merged into one scene.
+    pub scene: &'a [SceneFile],
     /// `[frames]`.
     pub frames: &'a FramesParams,
     /// `[image]`.
     pub image: &'a ImageParams,
-    /// `[camera]`.
+    /// `[camera]`, its path resolved.
     pub camera: &'a CameraParams,
     /// `[[light]]`.
     pub lights: &'a [LightParams],
+    /// `[visibility]`.
+    pub visibility: &'a VisibilityParams,
 }
 
 /// What is to be planned.
@@ -50,6 +57,10 @@ pub struct Scene {
     pub origin: DVec3,
     /// Triangles that never move during the shot.
     pub still: Vec<Triangle>,
+    /// Of the still triangles.
+    pub still_marks: Marks,
+    /// Masks of the triangles with holes.
+    pub masks: Vec<Mask>,
     /// Every file read: each scene file as given, followed by its buffers.
     pub inputs: Vec<PathBuf>,
     /// Remarks for the user, each once: what was ignored or dropped.
@@ -69,7 +80,12 @@ pub struct Scene {
 /// Any [`SceneError`]: unreadable or broken files, features not supported yet, an unsettled choice of camera or lights,
 /// keys that make no sense, transforms that break at some frame of the shot.
 pub fn load(params: &ShotParams<'_>) -> Result<Shot, SceneError> {
-    let mut model = read_all(params.scene)?;
+    let mut model = Model::default();
+    for file in params.scene {
+        read::scene(file, params.visibility.blend, &mut model)?;
+    }
+    let path = read::camera(params.camera, &mut model)?;
+    let params = &ShotParams { camera: path.as_ref().unwrap_or(params.camera), ..*params };
     let fps = params.frames.fps.unwrap_or(DEFAULT_FPS);
     if !(fps > 0.0 && fps.is_finite()) {
         return Err(SceneError::bad_value("frames.fps", fps, "must be positive"));
@@ -80,10 +96,10 @@ pub fn load(params: &ShotParams<'_>) -> Result<Shot, SceneError> {
     let split = bake::split(&model, &frames)?;
     let origin = bake::origin(&split.bounds);
     let first_s = frames.first().map_or(0.0, |frame| frame.time_s);
-    let still = bake_still(&mut model, &split, origin, first_s)?;
-    let moving = posed_triangles(&model.nodes, &model.meshes, &split.moving, &split.first, origin, first_s)?;
+    let Placed { triangles: still, marks: still_marks } = bake_still(&mut model, &split, origin, first_s)?;
+    let moving = posed_triangles(&model.nodes, &model.meshes, &split.moving, &split.first, origin, first_s)?.triangles;
     if still.is_empty() && moving.is_empty() {
-        let files: Vec<String> = params.scene.iter().map(|path| path.display().to_string()).collect();
+        let files: Vec<String> = params.scene.iter().map(|file| file.path().display().to_string()).collect();
         return Err(SceneError::NoTriangles { files: files.join(", ") });
     }
     let around = surroundings(&still, &moving, &split.bounds, origin);
@@ -91,7 +107,7 @@ pub fn load(params: &ShotParams<'_>) -> Result<Shot, SceneError> {
     let camera = camera_source::choose(params.camera, &model, fps, film_of_poses.aspect(), &around)?;
     let film = film(params.image, camera.aspect())?;
 
-    let Model { nodes, mut meshes, inputs, notes, .. } = model;
+    let Model { nodes, mut meshes, masks, inputs, notes, .. } = model;
     let mut kept = vec![false; meshes.len()];
     for part in &split.moving {
         kept[part.mesh] = true;
@@ -100,7 +116,21 @@ pub fn load(params: &ShotParams<'_>) -> Result<Shot, SceneError> {
         *mesh = Mesh::default();
     }
     let Split { moving, animated, first, .. } = split;
-    let scene = Scene { origin, still, inputs, notes, nodes, meshes, moving, animated, first, camera, lights };
+    let scene = Scene {
+        origin,
+        still,
+        still_marks,
+        masks,
+        inputs,
+        notes,
+        nodes,
+        meshes,
+        moving,
+        animated,
+        first,
+        camera,
+        lights,
+    };
     Ok(Shot { scene, film, frames })
 }
 
@@ -116,26 +146,20 @@ impl Scene {
         let camera = self.camera.at(&self.nodes, &pose, self.origin, time_s)?;
         let light = |light: &LightSource| light.at(&self.nodes, &pose, self.origin, time_s);
         let lights = self.lights.iter().map(light).collect::<Result<_, _>>()?;
-        let moving = posed_triangles(&self.nodes, &self.meshes, &self.moving, &pose, self.origin, time_s)?;
-        Ok(SceneFrame { time_s, camera, lights, moving })
+        let Placed { triangles: moving, marks: moving_marks } =
+            posed_triangles(&self.nodes, &self.meshes, &self.moving, &pose, self.origin, time_s)?;
+        Ok(SceneFrame { time_s, camera, lights, moving, moving_marks })
     }
-}
 
-fn read_all(paths: &[PathBuf]) -> Result<Model, SceneError> {
-    let mut model = Model::default();
-    for path in paths {
-        let bytes = std::fs::read(path).map_err(|source| SceneError::Read { path: path.clone(), source })?;
-        model.inputs.push(path.clone());
-        let ends_in = |ending: &str| path.extension().is_some_and(|have| have.eq_ignore_ascii_case(ending));
-        if gltf::is_glb(&bytes) || ends_in("gltf") || ends_in("glb") {
-            gltf::read(path, bytes, &mut model)?;
-        } else if ends_in("obj") {
-            obj::read(path, &bytes, &mut model)?;
-        } else {
-            return Err(SceneError::UnknownFormat { path: path.clone() });
+    /// All triangles of a frame.
+    pub fn geometry<'a>(&'a self, frame: &'a SceneFrame) -> Geometry<'a> {
+        Geometry {
+            still: &self.still,
+            moving: &frame.moving,
+            marks: [&self.still_marks, &frame.moving_marks],
+            masks: &self.masks,
         }
     }
-    Ok(model)
 }
 
 /// The frames of the range, or of the whole animation: that of the files and the camera's keys.
@@ -152,13 +176,13 @@ fn frame_times(params: &ShotParams<'_>, model: &Model, fps: f64) -> Result<Vec<F
 }
 
 /// Places all still parts, and notes what was dropped.
-fn bake_still(model: &mut Model, split: &Split, origin: DVec3, time_s: f64) -> Result<Vec<Triangle>, SceneError> {
+fn bake_still(model: &mut Model, split: &Split, origin: DVec3, time_s: f64) -> Result<Placed, SceneError> {
     let count = |parts: &[Part]| parts.iter().map(|part| model.meshes[part.mesh].triangles.len() as u64).sum::<u64>();
     let (count, all) = (count(&split.still), count(&split.still) + count(&split.moving));
     // Triangles are numbered in u32 from here on.
     let limit = u64::from(u32::MAX);
-    let mut still = Vec::new();
-    if all > limit || still.try_reserve_exact(count as usize).is_err() {
+    let mut still = Placed::default();
+    if all > limit || still.triangles.try_reserve_exact(count as usize).is_err() {
         return Err(SceneError::TooManyTriangles { triangles: all, limit });
     }
     let mut dropped = 0;
@@ -183,13 +207,14 @@ fn posed_triangles(
     pose: &Pose,
     origin: DVec3,
     time_s: f64,
-) -> Result<Vec<Triangle>, SceneError> {
-    let mut triangles = Vec::with_capacity(parts.iter().map(|part| meshes[part.mesh].triangles.len()).sum());
+) -> Result<Placed, SceneError> {
+    let mut placed = Placed::default();
+    placed.triangles.reserve(parts.iter().map(|part| meshes[part.mesh].triangles.len()).sum());
     for part in parts {
         let world = &pose.world_from_node[part.node];
-        place_part(&nodes[part.node], &meshes[part.mesh], world, origin, time_s, &mut triangles)?;
+        place_part(&nodes[part.node], &meshes[part.mesh], world, origin, time_s, &mut placed)?;
     }
-    Ok(triangles)
+    Ok(placed)
 }
 
 fn surroundings(still: &[Triangle], moving: &[Triangle], bounds: &Bounds, origin: DVec3) -> Surroundings {

@@ -6,6 +6,7 @@
 //! slerp). Outside the keys the nearest key holds. Written so that a track with equal keys (and, for splines, zero
 //! tangents) evaluates to exactly that value at all times: such nodes must come out as still.
 
+use super::KeyInterpolation;
 use glam::{DQuat, DVec3, DVec4};
 
 /// How values run between keys.
@@ -66,6 +67,32 @@ impl Track {
                     + (out_tangent * (u3 - 2.0 * u2 + u) + in_tangent * (u3 - u2)) * span_s
             }
         }
+    }
+
+    /// A linear track with its values running as a job says; smooth tangents are chords over the keys' own times (Catmull
+    /// and Rom, *A class of local interpolating splines*, 1974).
+    pub(super) fn running(mut self, how: KeyInterpolation) -> Track {
+        match how {
+            KeyInterpolation::Linear => {}
+            KeyInterpolation::Constant => self.interpolation = Interpolation::Step,
+            KeyInterpolation::CatmullRom => {
+                // Of the two quaternions of a rotation the one nearer to the key before.
+                for k in 1..if self.rotation { self.values.len() } else { 0 } {
+                    if self.values[k].dot(self.values[k - 1]) < 0.0 {
+                        self.values[k] = -self.values[k];
+                    }
+                }
+                let Track { times_s, values, .. } = &self;
+                let tangent = |k: usize| {
+                    let (before, after) = (k.saturating_sub(1), (k + 1).min(values.len() - 1));
+                    let span_s = times_s[after] - times_s[before];
+                    if span_s > 0.0 { (values[after] - values[before]) / span_s } else { DVec4::ZERO }
+                };
+                self.values = (0..values.len()).flat_map(|k| [tangent(k), values[k], tangent(k)]).collect();
+                self.interpolation = Interpolation::CubicSpline;
+            }
+        }
+        self
     }
 
     /// As a 3-vector.

@@ -11,6 +11,7 @@ mod parts;
 mod ray;
 mod shadow;
 mod simd;
+mod solid;
 mod surface;
 mod trace;
 mod view;

@@ -3,6 +3,7 @@
 use super::bvh::Bvh;
 use super::lanes::{Lanes, Portable};
 use super::ray::{LocalRay, SceneRay};
+use super::solid::Solid;
 use super::trace::Hit;
 use super::walk;
 
@@ -26,36 +27,36 @@ impl Simd {
         Simd::Portable
     }
 
-    /// The nearest triangle along a ray, of two equally near the one of the lower index, and where the ray meets it.
-    pub(super) fn closest(self, bvh: &Bvh, ray: &SceneRay) -> Option<Hit> {
+    /// The nearest solid triangle along a ray, of two equally near the one of the lower index, and where the ray meets it.
+    pub(super) fn closest(self, bvh: &Bvh, ray: &SceneRay, solid: &impl Solid) -> Option<Hit> {
         match self {
-            Simd::Portable => closest::<Portable>(bvh, ray),
+            Simd::Portable => closest::<Portable>(bvh, ray, solid),
             #[cfg(target_arch = "x86_64")]
-            Simd::Avx2 => avx2::closest(bvh, ray),
+            Simd::Avx2 => avx2::closest(bvh, ray, solid),
         }
     }
 
-    /// True when any triangle lies on the ray.
-    pub(super) fn occluded(self, bvh: &Bvh, ray: &SceneRay) -> bool {
+    /// True when any solid triangle lies on the ray.
+    pub(super) fn occluded(self, bvh: &Bvh, ray: &SceneRay, solid: &impl Solid) -> bool {
         match self {
-            Simd::Portable => occluded::<Portable>(bvh, ray),
+            Simd::Portable => occluded::<Portable>(bvh, ray, solid),
             #[cfg(target_arch = "x86_64")]
-            Simd::Avx2 => avx2::occluded(bvh, ray),
+            Simd::Avx2 => avx2::occluded(bvh, ray, solid),
         }
     }
 }
 
 #[inline(always)]
-fn closest<L: Lanes>(bvh: &Bvh, ray: &SceneRay) -> Option<Hit> {
+fn closest<L: Lanes>(bvh: &Bvh, ray: &SceneRay, solid: &impl Solid) -> Option<Hit> {
     let local = LocalRay::new(bvh, ray)?;
-    let found = walk::nearest::<L>(&bvh.wide, &local.ray)?;
+    let found = walk::nearest::<L>(&bvh.wide, &local.ray, solid)?;
     Some(Hit { triangle: found.triangle, t: local.meet(bvh, &found) })
 }
 
 #[inline(always)]
-fn occluded<L: Lanes>(bvh: &Bvh, ray: &SceneRay) -> bool {
+fn occluded<L: Lanes>(bvh: &Bvh, ray: &SceneRay, solid: &impl Solid) -> bool {
     match LocalRay::new(bvh, ray) {
-        Some(local) => walk::any::<L>(&bvh.wide, &local.ray),
+        Some(local) => walk::any::<L>(&bvh.wide, &local.ray, solid),
         None => false,
     }
 }
@@ -65,25 +66,25 @@ fn occluded<L: Lanes>(bvh: &Bvh, ray: &SceneRay) -> bool {
 mod avx2 {
     #![expect(unsafe_code, reason = "calls functions compiled for AVX2")]
 
-    use super::{Bvh, Hit, SceneRay};
+    use super::{Bvh, Hit, SceneRay, Solid};
     use crate::visibility::lanes::Avx2;
 
-    pub(super) fn closest(bvh: &Bvh, ray: &SceneRay) -> Option<Hit> {
+    pub(super) fn closest(bvh: &Bvh, ray: &SceneRay, solid: &impl Solid) -> Option<Hit> {
         #[target_feature(enable = "avx2")]
-        fn compiled(bvh: &Bvh, ray: &SceneRay) -> Option<Hit> {
-            super::closest::<Avx2>(bvh, ray)
+        fn compiled(bvh: &Bvh, ray: &SceneRay, solid: &impl Solid) -> Option<Hit> {
+            super::closest::<Avx2>(bvh, ray, solid)
         }
         // SAFETY: `Simd::Avx2` is made only where AVX2 was detected.
-        unsafe { compiled(bvh, ray) }
+        unsafe { compiled(bvh, ray, solid) }
     }
 
-    pub(super) fn occluded(bvh: &Bvh, ray: &SceneRay) -> bool {
+    pub(super) fn occluded(bvh: &Bvh, ray: &SceneRay, solid: &impl Solid) -> bool {
         #[target_feature(enable = "avx2")]
-        fn compiled(bvh: &Bvh, ray: &SceneRay) -> bool {
-            super::occluded::<Avx2>(bvh, ray)
+        fn compiled(bvh: &Bvh, ray: &SceneRay, solid: &impl Solid) -> bool {
+            super::occluded::<Avx2>(bvh, ray, solid)
         }
         // SAFETY: as above.
-        unsafe { compiled(bvh, ray) }
+        unsafe { compiled(bvh, ray, solid) }
     }
 }
 
@@ -93,6 +94,7 @@ mod tests {
 
     use super::*;
     use crate::scene::Triangle;
+    use crate::visibility::solid::Everything;
 
     /// A coarse grid of points, so that rays often meet edges and vertices exactly.
     fn grid_point(state: &mut u32) -> Vec3 {
@@ -114,10 +116,11 @@ mod tests {
             let (from, to) = (grid_point(&mut state), grid_point(&mut state));
             let (origin, direction) = (from.as_dvec3() * 2.0 - DVec3::ONE, (to - from).as_dvec3());
             let ray = SceneRay { origin, direction, t_min: 0.0, t_max: f64::INFINITY };
-            let (ours, portable) = (fast.closest(&bvh, &ray), Simd::Portable.closest(&bvh, &ray));
+            let (ours, portable) =
+                (fast.closest(&bvh, &ray, &Everything), Simd::Portable.closest(&bvh, &ray, &Everything));
             assert_eq!(ours.map(|h| (h.triangle, h.t.to_bits())), portable.map(|h| (h.triangle, h.t.to_bits())));
-            assert_eq!(fast.occluded(&bvh, &ray), ours.is_some());
-            assert_eq!(Simd::Portable.occluded(&bvh, &ray), ours.is_some());
+            assert_eq!(fast.occluded(&bvh, &ray, &Everything), ours.is_some());
+            assert_eq!(Simd::Portable.occluded(&bvh, &ray, &Everything), ours.is_some());
             hits += u32::from(ours.is_some());
         }
         assert!(hits > 500, "{hits} hits");

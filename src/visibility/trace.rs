@@ -5,6 +5,7 @@ use glam::DVec3;
 use super::bvh::Bvh;
 use super::ray::SceneRay;
 use super::simd::Simd;
+use super::solid::{Everything, WithHoles};
 use crate::scene::Geometry;
 
 /// What a ray meets first.
@@ -51,14 +52,14 @@ impl<'a> Tracer<'a> {
         }
     }
 
-    /// The first triangle, of either orientation, with `t_min ≤ t ≤ t_max` along `origin + t × direction`. The direction
+    /// The first triangle, of either orientation and there at the point, with `t_min ≤ t ≤ t_max` along `origin + t × direction`. The direction
     /// may have any length, `t_max` may be infinite. `None` also for a ray that is not finite.
     pub fn closest(&self, origin: DVec3, direction: DVec3, t_min: f64, t_max: f64) -> Option<Hit> {
         let ray = SceneRay { origin, direction, t_min, t_max };
-        let still = self.simd.closest(self.still, &ray);
+        let still = self.closest_of(0, self.still, &ray);
         let Some(bvh) = self.moving else { return still };
         let up_to_still = SceneRay { t_max: still.map_or(t_max, |hit| hit.t), ..ray };
-        let moving = self.simd.closest(bvh, &up_to_still);
+        let moving = self.closest_of(1, bvh, &up_to_still);
         let moving = moving.map(|hit| Hit { triangle: hit.triangle + self.geometry.still.len() as u32, ..hit });
         match (still, moving) {
             (Some(a), Some(b)) => Some(if b.t < a.t { b } else { a }),
@@ -66,9 +67,30 @@ impl<'a> Tracer<'a> {
         }
     }
 
-    /// True when any triangle, of either orientation, lies at `t_min ≤ t ≤ t_max`. False for a ray that is not finite.
+    /// True when any triangle, of either orientation and there at the point, lies at `t_min ≤ t ≤ t_max`. False for a ray that is not finite.
     pub fn occluded(&self, origin: DVec3, direction: DVec3, t_min: f64, t_max: f64) -> bool {
         let ray = SceneRay { origin, direction, t_min, t_max };
-        self.simd.occluded(self.still, &ray) || self.moving.is_some_and(|bvh| self.simd.occluded(bvh, &ray))
+        self.occluded_by(0, self.still, &ray) || self.moving.is_some_and(|bvh| self.occluded_by(1, bvh, &ray))
+    }
+
+    /// What the kernel asks of hits in the still (0) or moving (1) triangles, where some have holes.
+    fn with_holes<'b>(&'b self, list: usize, ray: &'b SceneRay) -> Option<WithHoles<'b>> {
+        let marks = self.geometry.marks[list];
+        let triangles = [self.geometry.still, self.geometry.moving][list];
+        (!marks.cut().is_empty()).then_some(WithHoles { ray, triangles, marks, masks: self.geometry.masks })
+    }
+
+    fn closest_of(&self, list: usize, bvh: &Bvh, ray: &SceneRay) -> Option<Hit> {
+        match self.with_holes(list, ray) {
+            None => self.simd.closest(bvh, ray, &Everything),
+            Some(holes) => self.simd.closest(bvh, ray, &holes),
+        }
+    }
+
+    fn occluded_by(&self, list: usize, bvh: &Bvh, ray: &SceneRay) -> bool {
+        match self.with_holes(list, ray) {
+            None => self.simd.occluded(bvh, ray, &Everything),
+            Some(holes) => self.simd.occluded(bvh, ray, &holes),
+        }
     }
 }

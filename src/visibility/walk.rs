@@ -10,6 +10,7 @@ use std::mem::MaybeUninit;
 use super::kernel::Spread;
 use super::lanes::Lanes;
 use super::ray::Ray;
+use super::solid::Solid;
 use super::wide::{DEPTH_MAX, LEAF, Leaf, Node, WIDTH, Wide};
 
 /// The nearest triangle found.
@@ -93,9 +94,9 @@ fn leaf_of(tree: &Wide, child: u32) -> &Leaf {
     unsafe { tree.leaves.get_unchecked((child & !LEAF) as usize) }
 }
 
-/// The nearest triangle along a ray; of two equally near, the one of the lower index.
+/// The nearest solid triangle along a ray; of two equally near, the one of the lower index.
 #[inline(always)]
-pub(super) fn nearest<L: Lanes>(tree: &Wide, ray: &Ray) -> Option<Nearest> {
+pub(super) fn nearest<L: Lanes>(tree: &Wide, ray: &Ray, solid: &impl Solid) -> Option<Nearest> {
     if tree.nodes.is_empty() {
         return None;
     }
@@ -163,7 +164,8 @@ pub(super) fn nearest<L: Lanes>(tree: &Wide, ray: &Ray) -> Option<Nearest> {
                         lane: lane as u32,
                         t: t[lane],
                     };
-                    if found.t < best.t || (found.t == best.t && found.triangle < best.triangle) {
+                    let nearer = found.t < best.t || (found.t == best.t && found.triangle < best.triangle);
+                    if nearer && solid.is_hit(found.triangle) {
                         best = found;
                     }
                 }
@@ -181,9 +183,15 @@ pub(super) fn nearest<L: Lanes>(tree: &Wide, ray: &Ray) -> Option<Nearest> {
     }
 }
 
-/// True when any triangle lies on the ray.
+/// True when any of the triangles of a leaf that a ray hits, at least one, is there.
 #[inline(always)]
-pub(super) fn any<L: Lanes>(tree: &Wide, ray: &Ray) -> bool {
+fn any_solid<S: Solid>(solid: &S, leaf: &Leaf, hits: u32) -> bool {
+    S::ALL || (0..WIDTH).any(|lane| hits >> lane & 1 == 1 && solid.is_hit(leaf.triangles[lane]))
+}
+
+/// True when any solid triangle lies on the ray.
+#[inline(always)]
+pub(super) fn any<L: Lanes>(tree: &Wide, ray: &Ray, solid: &impl Solid) -> bool {
     if tree.nodes.is_empty() {
         return false;
     }
@@ -192,7 +200,9 @@ pub(super) fn any<L: Lanes>(tree: &Wide, ray: &Ray) -> bool {
     let mut current = 0;
     loop {
         if current & LEAF != 0 {
-            if spread.triangles(ray, leaf_of(tree, current), ray.t_max).0 != 0 {
+            let leaf = leaf_of(tree, current);
+            let hits = spread.triangles(ray, leaf, ray.t_max).0;
+            if hits != 0 && any_solid(solid, leaf, hits) {
                 return true;
             }
         } else {

@@ -2,7 +2,9 @@
 //! that each file either loads, with sound frames, or is refused with a message that names it. Without the variable
 //! there is nothing to do. LIXEL_POSES=1 prints every camera and light, for comparison with other readers.
 
-use lixel::scene::{CameraParams, FramesParams, ImageParams, LightKindName, LightParams, Shot, ShotParams, load};
+use lixel::scene::{
+    CameraParams, FramesParams, ImageParams, LightKindName, LightParams, Shot, ShotParams, VisibilityParams, load,
+};
 use std::path::{Path, PathBuf};
 
 fn files(folder: &Path, out: &mut Vec<PathBuf>) {
@@ -19,7 +21,7 @@ fn files(folder: &Path, out: &mut Vec<PathBuf>) {
 
 /// The file's own camera and lights where they settle it, else a view of everything and a sun.
 fn try_load(path: &Path) -> Result<Shot, String> {
-    let scene = [path.to_owned()];
+    let scene = [path.into()];
     let own = CameraParams::default();
     let all = CameraParams { frame_all: true, ..CameraParams::default() };
     let sun = [LightParams {
@@ -31,7 +33,14 @@ fn try_load(path: &Path) -> Result<Shot, String> {
     let (frames, image) = (FramesParams::default(), ImageParams::default());
     let mut last = Err(String::new());
     for (camera, lights) in [(&own, &[][..]), (&own, &sun), (&all, &[]), (&all, &sun)] {
-        let params = ShotParams { scene: &scene, frames: &frames, image: &image, camera, lights };
+        let params = ShotParams {
+            scene: &scene,
+            frames: &frames,
+            image: &image,
+            camera,
+            lights,
+            visibility: &VisibilityParams::default(),
+        };
         last = load(&params).map_err(|error| error.to_string());
         if last.is_ok() {
             break;

@@ -1,7 +1,8 @@
 //! Small glTF files for the scene tests, built in code.
 
 use lixel::scene::{
-    CameraParams, FramesParams, ImageParams, LightKindName, LightParams, SceneError, Shot, ShotParams, load,
+    CameraParams, FramesParams, ImageParams, LightKindName, LightParams, SceneError, Shot, ShotParams,
+    VisibilityParams, load,
 };
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -142,6 +143,7 @@ pub(crate) struct Job {
     pub(crate) image: ImageParams,
     pub(crate) camera: CameraParams,
     pub(crate) lights: Vec<LightParams>,
+    pub(crate) visibility: VisibilityParams,
 }
 
 impl Job {
@@ -159,11 +161,12 @@ impl Job {
 
     pub(crate) fn load(&self) -> Result<Shot, SceneError> {
         load(&ShotParams {
-            scene: &self.scene,
+            scene: &self.scene.iter().map(|path| path.as_path().into()).collect::<Vec<_>>(),
             frames: &self.frames,
             image: &self.image,
             camera: &self.camera,
             lights: &self.lights,
+            visibility: &self.visibility,
         })
     }
 

@@ -1,8 +1,11 @@
 //! The scene room through its public interface.
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
 
+mod compressed;
 mod corpus;
 mod fixture;
 mod gltf;
 mod hostile;
+mod masks;
 mod shot;
+mod sources;

@@ -3,6 +3,7 @@
 //! A key of `[camera]` holds wherever no `[[camera.key]]` states the same; a keyframe may state any of them.
 
 use super::{Problem, finite, nonzero, problem, require};
+use crate::job::is_scene_file;
 use crate::scene::{CameraKey, CameraParams};
 
 pub(super) fn check(camera: &CameraParams) -> Result<(), Problem> {
@@ -31,7 +32,24 @@ fn one_way(camera: &CameraParams) -> Result<(), Problem> {
     let look_at = stated(camera.look_at.is_some(), &|k| k.look_at.is_some());
     let rotation = stated(camera.rotation.is_some(), &|k| k.rotation.is_some());
     let posed = position || look_at || rotation || !camera.key.is_empty();
+    if camera.file.is_none() && camera.rotation_order.is_some() {
+        return Err(problem(
+            "camera.rotation_order",
+            "there is no .chan file to read",
+            "remove it, or name one in `file`",
+        ));
+    }
+    let path = camera.file.as_deref().filter(|file| !is_scene_file(file));
+    if let Some(path) = path {
+        let known = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
+        if !matches!(known.as_deref(), Some("chan" | "json" | "csv")) {
+            let message = format!("`{}` is not a camera file", path.display());
+            return Err(problem("camera.file", message, "name a .chan, .json, .csv, .gltf or .glb file"));
+        }
+    }
     let ways = [
+        // A file of cameras may hold several: a name says which.
+        ("file", path.is_some() || camera.file.is_some() && camera.name.is_none()),
         ("name", camera.name.is_some()),
         ("frame_all", camera.frame_all),
         (if camera.key.is_empty() { "position" } else { "key" }, posed),

@@ -34,7 +34,7 @@ pub(super) fn check(seeing: &Seeing, frame: i64, entry: &LightPlan, light: &Ligh
     if entry.epsilon != job.quality.epsilon() {
         check.reasons.push(format!("epsilon is {}, {} in the job", entry.epsilon, job.quality.epsilon()));
     }
-    let measured = match remeasure(seeing, light, &entry.maps, job.map.outside) {
+    let measured = match remeasure(seeing, light, &entry.maps, &job.map) {
         Ok(measured) => measured,
         Err(error) => {
             check.reasons.push(error.to_string());

@@ -24,7 +24,7 @@ pub(super) struct Source<'a> {
 
 /// How one component is stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Component {
+pub(super) enum Component {
     I8,
     U8,
     I16,
@@ -46,7 +46,8 @@ impl Component {
         })
     }
 
-    fn bytes(self) -> usize {
+    /// Size.
+    pub(super) fn bytes(self) -> usize {
         match self {
             Component::I8 | Component::U8 => 1,
             Component::I16 | Component::U16 => 2,
@@ -79,6 +80,16 @@ impl<'a> Source<'a> {
         let accessor = entry(self.path, &place, "accessor", &self.document.accessors, index)?;
         if accessor.kind != kind {
             return Err(self.fail(&place, format!("is of type {:?} where {kind:?} is needed", accessor.kind)));
+        }
+        if let Some(decoded) = self.buffers.draco.get(&index) {
+            let element = decoded.component.bytes() * decoded.components;
+            if decoded.components != N {
+                let problem = format!("is {kind:?}, but its Draco stream holds {} components", decoded.components);
+                return Err(self.fail(&place, problem));
+            }
+            let count = decoded.bytes.len() / element;
+            let all = Strided { bytes: &decoded.bytes, element, stride: element, count };
+            return Ok(decode_all(all, decoded.component, accessor.normalized));
         }
         let component = self.component(&place, accessor.component_type)?;
         let mut values = match accessor.buffer_view {
@@ -148,19 +159,7 @@ impl<'a> Source<'a> {
     ) -> Result<Strided<'a>, SceneError> {
         let index = view;
         let view = entry(self.path, place, "bufferView", &self.document.buffer_views, index)?;
-        let buffer = entry(self.path, &format!("bufferView {index}"), "buffer", &self.document.buffers, view.buffer)?;
-        let Some(bytes) = self.buffers.bytes.get(view.buffer).and_then(Option::as_deref) else {
-            let problem = "has neither a uri nor the file's binary chunk; export the file again with its buffers";
-            return Err(malformed(self.path, format!("buffer {}", view.buffer), problem));
-        };
-        let view_end = view.byte_offset.checked_add(view.byte_length).filter(|&end| end <= buffer.byte_length);
-        let Some(view_end) = view_end else {
-            let problem = format!(
-                "covers bytes {} + {} of buffer {}, which has {}",
-                view.byte_offset, view.byte_length, view.buffer, buffer.byte_length
-            );
-            return Err(self.fail(&format!("bufferView {index}"), problem));
-        };
+        let bytes = self.view(index)?;
         let element = (component.bytes() * N) as u64;
         let stride = view.byte_stride.unwrap_or(element);
         if stride < element {
@@ -172,19 +171,17 @@ impl<'a> Source<'a> {
             0 => Some(0),
             _ => (count - 1).checked_mul(stride).and_then(|n| n.checked_add(element)),
         };
-        let begin = view.byte_offset.checked_add(offset);
-        let range = begin.zip(needed).and_then(|(begin, n)| Some((begin, begin.checked_add(n)?)));
-        match range {
-            // `view_end` is within the buffer's bytes, so both ends fit a usize.
-            Some((begin, end)) if end <= view_end => {
+        match needed.and_then(|n| offset.checked_add(n)) {
+            Some(end) if end <= bytes.len() as u64 => {
+                let bytes = &bytes[offset as usize..end as usize];
                 let (element, stride) = (element as usize, stride as usize);
-                Ok(Strided { bytes: &bytes[begin as usize..end as usize], element, stride, count: count as usize })
+                Ok(Strided { bytes, element, stride, count: count as usize })
             }
             _ => {
                 let problem = format!(
                     "{count} elements of {element} bytes, {stride} apart, from byte {offset}, do not fit the {} bytes of \
                      bufferView {index}",
-                    view.byte_length
+                    bytes.len()
                 );
                 Err(self.fail(place, problem))
             }

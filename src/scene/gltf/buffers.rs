@@ -1,14 +1,21 @@
-//! Bytes of the buffers: GLB chunk, data URIs, files beside the scene.
+//! Bytes of the buffers: GLB chunk, data URIs, files beside the scene. Fallbacks for readers that cannot decompress are
+//! not opened.
 
 use super::document::{Document, malformed};
-use crate::scene::SceneError;
-use std::path::{Component, Path, PathBuf};
+use super::draco;
+use crate::scene::{SceneError, beside};
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 
-/// Bytes of each buffer of a document; `None` for one without data (legal where an extension supplies it).
+/// Bytes of a document.
 #[derive(Debug)]
 pub(super) struct Buffers {
-    /// By buffer index.
+    /// By buffer index; `None` for one without data (legal where an extension supplies it).
     pub bytes: Vec<Option<Vec<u8>>>,
+    /// By index of the buffer view; filled when a compressed view is first asked for.
+    pub decompressed: Vec<OnceLock<Vec<u8>>>,
+    /// Elements of accessors that a Draco stream holds.
+    pub draco: draco::Accessors,
 }
 
 /// Loads all buffers; files read are appended to `inputs`.
@@ -26,23 +33,10 @@ pub(super) fn load(
     for (index, buffer) in document.buffers.iter().enumerate() {
         let place = format!("buffer {index}");
         let data = match &buffer.uri {
+            _ if buffer.is_fallback() => None,
             None if index == 0 => bin.take(),
             None => None,
-            Some(uri) if uri.get(..5).is_some_and(|scheme| scheme.eq_ignore_ascii_case("data:")) => {
-                let decoded = data_url::DataUrl::process(uri).ok().and_then(|data| data.decode_to_vec().ok());
-                let (data, _) = decoded.ok_or_else(|| malformed(path, &place, "a data URI that does not decode"))?;
-                Some(data)
-            }
-            Some(uri) => {
-                let file = path.parent().unwrap_or(Path::new("")).join(relative_path(uri).map_err(|problem| {
-                    malformed(path, &place, format!("URI {uri:?} {problem}; put the file beside or below the scene"))
-                })?);
-                let data = std::fs::read(&file).map_err(|source| SceneError::Read { path: file.clone(), source })?;
-                if !inputs.contains(&file) {
-                    inputs.push(file);
-                }
-                Some(data)
-            }
+            Some(uri) => Some(read_uri(path, &place, uri, inputs)?),
         };
         if let Some(data) = &data
             && (data.len() as u64) < buffer.byte_length
@@ -56,31 +50,34 @@ pub(super) fn load(
         }
         bytes.push(data);
     }
-    Ok(Buffers { bytes })
+    let decompressed = document.buffer_views.iter().map(|_| OnceLock::new()).collect();
+    Ok(Buffers { bytes, decompressed, draco: draco::Accessors::new() })
 }
 
-/// The path a relative URI names, percent-decoded. Only paths that stay within the scene's folder at every step pass:
-/// scene files come from anywhere, and must not make the planner read (and hash) files of their choice.
-fn relative_path(uri: &str) -> Result<PathBuf, &'static str> {
+/// The bytes that a URI stands for: data in itself, or a file beside the scene, which is appended to `inputs`.
+///
+/// # Errors
+/// [`SceneError::Read`], [`SceneError::Malformed`]; `place` says who asks.
+pub(super) fn read_uri(path: &Path, place: &str, uri: &str, inputs: &mut Vec<PathBuf>) -> Result<Vec<u8>, SceneError> {
+    if uri.get(..5).is_some_and(|scheme| scheme.eq_ignore_ascii_case("data:")) {
+        let decoded = data_url::DataUrl::process(uri).ok().and_then(|data| data.decode_to_vec().ok());
+        let (data, _) = decoded.ok_or_else(|| malformed(path, place, "a data URI that does not decode"))?;
+        return Ok(data);
+    }
+    let file = file_of(path, uri).map_err(|problem| {
+        malformed(path, place, format!("URI {uri:?} {problem}; put the file beside or below the scene"))
+    })?;
+    let data = std::fs::read(&file).map_err(|source| SceneError::Read { path: file.clone(), source })?;
+    if !inputs.contains(&file) {
+        inputs.push(file);
+    }
+    Ok(data)
+}
+
+/// The file that a relative URI names, percent-decoded.
+fn file_of(path: &Path, uri: &str) -> Result<PathBuf, &'static str> {
     let decoded = percent_encoding::percent_decode_str(uri).decode_utf8().map_err(|_| "is not UTF-8 when decoded")?;
-    let scheme = decoded.split('/').next().is_some_and(|first| first.contains(':'));
-    if scheme || decoded.contains('\\') {
-        return Err("is not a relative path");
-    }
-    let path = PathBuf::from(decoded.as_ref());
-    let mut depth = 0_i64;
-    for component in path.components() {
-        depth += match component {
-            Component::Normal(_) => 1,
-            Component::CurDir => 0,
-            Component::ParentDir => -1,
-            Component::RootDir | Component::Prefix(_) => return Err("is not a relative path"),
-        };
-        if depth < 0 {
-            return Err("leaves the scene's folder");
-        }
-    }
-    if depth == 0 { Err("names no file") } else { Ok(path) }
+    beside::path(path, &decoded)
 }
 
 #[cfg(test)]
@@ -88,26 +85,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn uris_stay_in_the_folder() {
-        assert_eq!(relative_path("a%20b/c%C3%A9.bin").unwrap(), Path::new("a b/cé.bin"));
-        assert_eq!(relative_path("a/../b.bin").unwrap(), Path::new("a/../b.bin"));
-        let refused = [
-            "../b.bin",
-            "a/../../b",
-            "%2e%2e/b",
-            "/etc/passwd",
-            "file:///etc/passwd",
-            "http://x/y",
-            "..\\b",
-            "C:/b",
-            "",
-            ".",
-            "a/..",
-            "%ff",
-            "%2Fetc%2Fpasswd",
-        ];
-        for uri in refused {
-            assert!(relative_path(uri).is_err(), "{uri}");
+    fn uris_are_decoded_before_they_are_judged() {
+        let from = |uri: &str| file_of(Path::new("set/a.gltf"), uri);
+        assert_eq!(from("a%20b/c%C3%A9.bin").unwrap(), Path::new("set/a b/cé.bin"));
+        for uri in ["%2e%2e/b", "%ff", "%2Fetc%2Fpasswd"] {
+            assert!(from(uri).is_err(), "{uri}");
         }
     }
 }

@@ -7,6 +7,7 @@
 use crate::scene::SceneError;
 use serde::Deserialize;
 use serde::de::IgnoredAny;
+use std::collections::BTreeMap;
 use std::path::Path;
 
 /// Declares a struct whose keys are camelCase and may all be absent.
@@ -28,6 +29,9 @@ properties! {
         meshes: Vec<Mesh>,
         cameras: Vec<Camera>,
         materials: Vec<Material>,
+        textures: Vec<Texture>,
+        samplers: Vec<TextureSampler>,
+        images: Vec<Image>,
         animations: Vec<Animation>,
         accessors: Vec<Accessor>,
         buffer_views: Vec<BufferView>,
@@ -85,12 +89,50 @@ properties! {
     Attributes {
         #[serde(rename = "POSITION")]
         position: Option<usize>,
+        /// By name.
+        #[serde(flatten)]
+        others: BTreeMap<String, usize>,
     }
     PrimitiveExtensions {
         #[serde(rename = "KHR_draco_mesh_compression")]
-        draco: Option<IgnoredAny>,
+        draco: Option<Draco>,
     }
-    Material { name: Option<String>, alpha_mode: Option<String>, }
+    Draco { buffer_view: usize, attributes: BTreeMap<String, u32>, }
+    Material {
+        name: Option<String>,
+        alpha_mode: Option<String>,
+        alpha_cutoff: Option<f64>,
+        double_sided: bool,
+        pbr_metallic_roughness: Metallic,
+        extensions: MaterialExtensions,
+    }
+    Metallic { base_color_factor: Option<[f64; 4]>, base_color_texture: Option<TextureInfo>, }
+    MaterialExtensions {
+        #[serde(rename = "KHR_materials_pbrSpecularGlossiness")]
+        specular_glossiness: Option<Glossiness>,
+    }
+    Glossiness { diffuse_factor: Option<[f64; 4]>, diffuse_texture: Option<TextureInfo>, }
+    TextureInfo { index: usize, tex_coord: usize, extensions: TextureInfoExtensions, }
+    TextureInfoExtensions {
+        #[serde(rename = "KHR_texture_transform")]
+        transform: Option<TextureTransform>,
+    }
+    TextureTransform {
+        offset: Option<[f64; 2]>,
+        rotation: Option<f64>,
+        scale: Option<[f64; 2]>,
+        tex_coord: Option<usize>,
+    }
+    Texture { source: Option<usize>, sampler: Option<usize>, extensions: TextureExtensions, }
+    TextureExtensions {
+        #[serde(rename = "EXT_texture_webp")]
+        webp: Option<TextureSource>,
+        #[serde(rename = "KHR_texture_basisu")]
+        basisu: Option<IgnoredAny>,
+    }
+    TextureSource { source: usize, }
+    TextureSampler { mag_filter: Option<u64>, wrap_s: Option<u64>, wrap_t: Option<u64>, }
+    Image { name: Option<String>, uri: Option<String>, buffer_view: Option<usize>, }
     Camera {
         name: Option<String>,
         #[serde(rename = "type")]
@@ -130,10 +172,49 @@ properties! {
         extensions: BufferViewExtensions,
     }
     BufferViewExtensions {
-        #[serde(rename = "EXT_meshopt_compression", alias = "KHR_meshopt_compression")]
-        meshopt: Option<IgnoredAny>,
+        #[serde(rename = "KHR_meshopt_compression")]
+        meshopt: Option<MeshoptView>,
+        #[serde(rename = "EXT_meshopt_compression")]
+        meshopt_ext: Option<MeshoptView>,
     }
-    Buffer { uri: Option<String>, byte_length: u64, }
+    MeshoptView {
+        buffer: usize,
+        byte_offset: u64,
+        byte_length: u64,
+        byte_stride: u64,
+        count: u64,
+        mode: String,
+        filter: Option<String>,
+    }
+    Buffer { uri: Option<String>, byte_length: u64, extensions: BufferExtensions, }
+    BufferExtensions {
+        #[serde(rename = "KHR_meshopt_compression")]
+        meshopt: MeshoptBuffer,
+        #[serde(rename = "EXT_meshopt_compression")]
+        meshopt_ext: MeshoptBuffer,
+    }
+    MeshoptBuffer { fallback: bool, }
+}
+
+impl BufferView {
+    /// What of either extension stands for the view's bytes.
+    pub(super) fn meshopt(&self) -> Option<&MeshoptView> {
+        self.extensions.meshopt.as_ref().or(self.extensions.meshopt_ext.as_ref())
+    }
+}
+
+impl Buffer {
+    /// True for bytes that only readers without EXT_meshopt_compression need.
+    pub(super) fn is_fallback(&self) -> bool {
+        self.extensions.meshopt.fallback || self.extensions.meshopt_ext.fallback
+    }
+}
+
+impl Attributes {
+    /// The accessor of an attribute.
+    pub(super) fn accessor(&self, name: &str) -> Option<usize> {
+        if name == "POSITION" { self.position } else { self.others.get(name).copied() }
+    }
 }
 
 /// Reads the JSON of a file and checks its version.

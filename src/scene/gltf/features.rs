@@ -1,14 +1,21 @@
 //! What a glTF file may need, and what of it is refused by name rather than planned wrongly.
 //!
-//! Only what the active scene uses is refused: an unused skin elsewhere in the file does no harm. Alpha MASK and BLEND
-//! are taken as opaque, with a note.
+//! Only what the active scene uses is refused: an unused skin elsewhere in the file does no harm.
 
 use super::document::{Document, Node, Primitive};
 use crate::scene::model::place;
 use std::collections::BTreeSet;
 
 /// Extensions whose data are read.
-const SUPPORTED: [&str; 2] = ["KHR_lights_punctual", "KHR_mesh_quantization"];
+const SUPPORTED: [&str; 7] = [
+    "KHR_lights_punctual",
+    "KHR_mesh_quantization",
+    "KHR_draco_mesh_compression",
+    "KHR_meshopt_compression",
+    "EXT_meshopt_compression",
+    "KHR_texture_transform",
+    "EXT_texture_webp",
+];
 
 /// Extensions that may even be required: those of materials and metadata, which change no triangle, named exactly or by
 /// prefix; and two that are judged where they are used.
@@ -30,8 +37,6 @@ const HARMLESS_POINTERS: [&str; 4] = ["/materials/", "/textures/", "/images/", "
 
 const MORPH: (&str, &str) = ("morph targets", "bake the shape into plain meshes on export");
 const SKIN: (&str, &str) = ("skins", "bake the skinning into plain meshes on export");
-const DRACO: (&str, &str) = ("KHR_draco_mesh_compression", "export without compression");
-const MESHOPT: (&str, &str) = ("EXT_meshopt_compression", "export without compression");
 const INSTANCING: (&str, &str) = ("EXT_mesh_gpu_instancing", "export instances as nodes");
 const POINTER: (&str, &str) = ("KHR_animation_pointer", "animate node translation, rotation and scale instead");
 const HIDDEN: (&str, &str) = ("KHR_node_visibility", "delete hidden nodes before export");
@@ -44,8 +49,6 @@ pub(super) struct Findings {
     /// Remarks.
     pub notes: Vec<String>,
     seen: BTreeSet<&'static str>,
-    /// Names of materials with another alphaMode than OPAQUE.
-    not_opaque: BTreeSet<String>,
 }
 
 impl Findings {
@@ -72,16 +75,6 @@ pub(super) fn examine(document: &Document, nodes: &[usize]) -> Findings {
             }
         }
     }
-    for (index, view) in document.buffer_views.iter().enumerate() {
-        let no_fallback = || document.buffers.get(view.buffer).is_some_and(|b| b.uri.is_none() && view.buffer != 0);
-        if view.extensions.meshopt.is_some() && no_fallback() {
-            findings.refuse(MESHOPT, &format!("bufferView {index}"));
-        }
-    }
-    if !findings.not_opaque.is_empty() {
-        let names: Vec<&str> = findings.not_opaque.iter().map(String::as_str).collect();
-        findings.notes.push(format!("alphaMode MASK or BLEND taken as opaque: {}", names.join(", ")));
-    }
     findings
 }
 
@@ -91,7 +84,7 @@ fn extensions(document: &Document, findings: &mut Findings) {
         |name: &str| HARMLESS.iter().any(|known| name == *known || known.ends_with('_') && name.starts_with(known));
     for required in &document.extensions_required {
         let name = required.as_str();
-        match [DRACO, MESHOPT, INSTANCING].into_iter().find(|feature| feature.0 == name) {
+        match [INSTANCING].into_iter().find(|feature| feature.0 == name) {
             Some(feature) => findings.refuse(feature, "extensionsRequired"),
             None if SUPPORTED.contains(&name) || harmless(name) => {}
             None => findings.refused.push(format!("{name} at extensionsRequired (export without it)")),
@@ -118,25 +111,12 @@ fn node_features(document: &Document, index: usize, node: &Node, findings: &mut 
         findings.refuse(INSTANCING, &at);
     }
     for primitive in &mesh.primitives {
-        primitive_features(document, primitive, &at, findings);
+        primitive_features(primitive, &at, findings);
     }
 }
 
-fn primitive_features(document: &Document, primitive: &Primitive, at: &str, findings: &mut Findings) {
+fn primitive_features(primitive: &Primitive, at: &str, findings: &mut Findings) {
     if !primitive.targets.is_empty() {
         findings.refuse(MORPH, at);
-    }
-    let uncompressed = || {
-        let accessor = document.accessors.get(primitive.attributes.position?)?;
-        accessor.buffer_view
-    };
-    if primitive.extensions.draco.is_some() && uncompressed().is_none() {
-        findings.refuse(DRACO, at);
-    }
-    let Some(material) = primitive.material else { return };
-    if let Some(found) = document.materials.get(material)
-        && found.alpha_mode.as_deref().is_some_and(|mode| mode != "OPAQUE")
-    {
-        findings.not_opaque.insert(place("material", material, found.name.as_deref()));
     }
 }

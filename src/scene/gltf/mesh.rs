@@ -2,82 +2,187 @@
 //! lines cast no shadow and are skipped.
 
 use super::accessor::Source;
-use super::document::{Mesh as GltfMesh, Primitive};
+use super::document::{Mesh as GltfMesh, Primitive, entry};
+use super::materials::{Cover, MaskedCover, Materials};
 use crate::scene::SceneError;
+use crate::scene::marks::Mark;
+use crate::scene::mask::{Cutout, Mask};
 use crate::scene::mesh::MeshBuilder;
 use crate::scene::model::{Mesh, place};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use std::collections::BTreeMap;
-use std::collections::btree_map::Entry;
-
-/// Decoded POSITION accessors by index: exporters let many primitives share one.
-pub(super) type Positions = BTreeMap<usize, Vec<DVec3>>;
+use std::path::PathBuf;
+use std::rc::Rc;
 
 /// What was left out of the meshes of a file.
-#[derive(Debug, Default)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Skipped {
     /// Primitives of points or lines.
     pub points_or_lines: usize,
     /// Triangles without area.
     pub degenerate: usize,
+    /// Triangles of which nothing is there.
+    pub transparent: usize,
 }
 
-/// All triangles of a mesh.
-///
-/// # Errors
-/// [`SceneError::Malformed`] naming mesh and accessor: bad accessors, indices out of range, vertices not finite.
-pub(super) fn read(
-    source: Source<'_>,
-    index: usize,
-    mesh: &GltfMesh,
-    positions: &mut Positions,
-    skipped: &mut Skipped,
-) -> Result<Mesh, SceneError> {
-    let mut builder = MeshBuilder::default();
-    for (k, primitive) in mesh.primitives.iter().enumerate() {
-        let at = format!("{}, primitive {k}", place("mesh", index, mesh.name.as_deref()));
-        let mode = primitive.mode.unwrap_or(4);
-        let triangles_of: fn(&[u32]) -> Vec<[u32; 3]> = match mode {
-            0..=3 => {
-                skipped.points_or_lines += 1;
-                continue;
-            }
-            4 => list,
-            5 => strip,
-            6 => fan,
-            _ => return Err(source.fail(&at, format!("mode {mode} is not 0 to 6"))),
-        };
-        add_primitive(source, &at, primitive, triangles_of, positions, &mut builder)?;
+/// Reads the meshes of a file.
+pub(super) struct Reader<'a> {
+    source: Source<'a>,
+    materials: Materials<'a>,
+    /// Decoded POSITION accessors by index: exporters let many primitives share one.
+    positions: BTreeMap<usize, Rc<[DVec3]>>,
+    /// So far.
+    pub skipped: Skipped,
+}
+
+impl<'a> Reader<'a> {
+    /// Nothing read yet.
+    pub(super) fn new(source: Source<'a>, materials: Materials<'a>) -> Self {
+        Reader { source, materials, positions: BTreeMap::new(), skipped: Skipped::default() }
     }
-    skipped.degenerate += builder.degenerate;
-    Ok(builder.mesh)
+
+    /// All triangles of a mesh. New masks are appended to `masks`, image files to `inputs`.
+    ///
+    /// # Errors
+    /// [`SceneError::Malformed`] naming mesh and accessor: bad accessors, indices out of range, vertices not finite; those
+    /// of [`Materials::cover`].
+    pub(super) fn read(
+        &mut self,
+        index: usize,
+        mesh: &GltfMesh,
+        masks: &mut Vec<Mask>,
+        inputs: &mut Vec<PathBuf>,
+    ) -> Result<Mesh, SceneError> {
+        let mut builder = MeshBuilder::default();
+        for (k, primitive) in mesh.primitives.iter().enumerate() {
+            let at = format!("{}, primitive {k}", place("mesh", index, mesh.name.as_deref()));
+            let mode = primitive.mode.unwrap_or(4);
+            let triangles_of: fn(&[u32]) -> Vec<[u32; 3]> = match mode {
+                0..=3 => {
+                    self.skipped.points_or_lines += 1;
+                    continue;
+                }
+                4 => list,
+                5 => strip,
+                6 => fan,
+                _ => return Err(self.source.fail(&at, format!("mode {mode} is not 0 to 6"))),
+            };
+            let (two_sided, cover) = match primitive.material {
+                None => (false, Cover::Opaque),
+                Some(material) => {
+                    let (material, cover) = self.materials.cover(material, &at, masks, inputs)?;
+                    (material.double_sided, cover)
+                }
+            };
+            self.add_primitive(&at, primitive, triangles_of, (two_sided, &cover, masks), &mut builder)?;
+        }
+        self.skipped.degenerate += builder.degenerate;
+        self.skipped.transparent += builder.transparent;
+        Ok(builder.mesh)
+    }
+
+    fn add_primitive(
+        &mut self,
+        at: &str,
+        primitive: &Primitive,
+        triangles_of: fn(&[u32]) -> Vec<[u32; 3]>,
+        (two_sided, cover, masks): (bool, &Cover, &[Mask]),
+        builder: &mut MeshBuilder,
+    ) -> Result<(), SceneError> {
+        let source = self.source;
+        // Without positions there is nothing to draw (section 3.7.2.1).
+        let Some(accessor) = primitive.attributes.position else { return Ok(()) };
+        let vertices = match self.positions.get(&accessor) {
+            Some(known) => Rc::clone(known),
+            None => {
+                let read = source.read::<3>(accessor, "VEC3")?;
+                let read: Rc<[DVec3]> = read.into_iter().map(DVec3::from_array).collect();
+                self.positions.insert(accessor, Rc::clone(&read));
+                read
+            }
+        };
+        let indices = match primitive.indices {
+            Some(indices) => source.read_indices(indices)?,
+            None => (0..u32::try_from(vertices.len()).unwrap_or(u32::MAX)).collect(),
+        };
+        let triangles = triangles_of(&indices);
+        let added = match cover {
+            Cover::Opaque => builder.add(&vertices, &triangles, |_| Some(Mark { two_sided, cutout: None })),
+            Cover::Nothing => builder.add(&vertices, &triangles, |_| None),
+            Cover::Masked(cover) => {
+                let alphas = Alphas::read(source, at, primitive, cover, vertices.len())?;
+                let mask = masks.get(cover.mask as usize);
+                builder.add(&vertices, &triangles, |k| {
+                    let cutout = alphas.cutout(cover.mask, triangles[k]);
+                    match mask.and_then(|mask| mask.settled(cutout.alpha)) {
+                        Some(false) => None,
+                        Some(true) => Some(Mark { two_sided, cutout: None }),
+                        None => Some(Mark { two_sided, cutout: Some(cutout) }),
+                    }
+                })
+            }
+        };
+        added.map_err(|flaw| {
+            let indices = primitive.indices.map_or(String::new(), |i| format!(", index accessor {i}"));
+            source.fail(&format!("{at}, accessor {accessor}{indices}"), flaw.to_string())
+        })
+    }
 }
 
-fn add_primitive(
-    source: Source<'_>,
-    at: &str,
-    primitive: &Primitive,
-    triangles_of: fn(&[u32]) -> Vec<[u32; 3]>,
-    positions: &mut Positions,
-    builder: &mut MeshBuilder,
-) -> Result<(), SceneError> {
-    // Without positions there is nothing to draw (section 3.7.2.1).
-    let Some(accessor) = primitive.attributes.position else { return Ok(()) };
-    let vertices = match positions.entry(accessor) {
-        Entry::Occupied(known) => known.into_mut(),
-        Entry::Vacant(slot) => {
-            let read = source.read::<3>(accessor, "VEC3")?;
-            slot.insert(read.into_iter().map(DVec3::from_array).collect())
+/// What the alpha of a primitive's vertices depends on, one entry a vertex.
+struct Alphas {
+    uv: Option<Vec<[f32; 2]>>,
+    alpha: Option<Vec<f32>>,
+}
+
+impl Alphas {
+    fn read(
+        source: Source<'_>,
+        at: &str,
+        primitive: &Primitive,
+        cover: &MaskedCover,
+        vertices: usize,
+    ) -> Result<Self, SceneError> {
+        let enough = |name: &str, count: usize| {
+            let problem = || format!("{name} has {count} values for {vertices} vertices");
+            if count < vertices { Err(source.fail(at, problem())) } else { Ok(()) }
+        };
+        let uv = match cover.coordinates {
+            None => None,
+            Some(set) => {
+                let name = format!("TEXCOORD_{set}");
+                let accessor = primitive.attributes.accessor(&name);
+                let missing = || source.fail(at, format!("its alpha mask needs {name}, which is missing"));
+                let values = source.read::<2>(accessor.ok_or_else(missing)?, "VEC2")?;
+                enough(&name, values.len())?;
+                let placed = |uv: [f64; 2]| cover.turn * DVec2::from_array(uv) + cover.offset;
+                Some(values.into_iter().map(|uv| placed(uv).as_vec2().to_array()).collect())
+            }
+        };
+        let alpha = match primitive.attributes.accessor("COLOR_0") {
+            None => None,
+            Some(accessor) => {
+                let kind = &entry(source.path, at, "accessor", &source.document.accessors, accessor)?.kind;
+                if kind == "VEC4" {
+                    let values = source.read::<4>(accessor, "VEC4")?;
+                    enough("COLOR_0", values.len())?;
+                    Some(values.into_iter().map(|[.., alpha]| alpha as f32).collect())
+                } else {
+                    None
+                }
+            }
+        };
+        Ok(Alphas { uv, alpha })
+    }
+
+    /// Of a triangle with valid indices.
+    fn cutout(&self, mask: u32, triangle: [u32; 3]) -> Cutout {
+        Cutout {
+            mask,
+            uv: triangle.map(|k| self.uv.as_ref().map_or([0.0; 2], |uv| uv[k as usize])),
+            alpha: triangle.map(|k| self.alpha.as_ref().map_or(1.0, |alpha| alpha[k as usize])),
         }
-    };
-    let indices = match primitive.indices {
-        Some(indices) => source.read_indices(indices)?,
-        None => (0..u32::try_from(vertices.len()).unwrap_or(u32::MAX)).collect(),
-    };
-    builder.add(vertices, &triangles_of(&indices)).map_err(|flaw| {
-        let indices = primitive.indices.map_or(String::new(), |i| format!(", index accessor {i}"));
-        source.fail(&format!("{at}, accessor {accessor}{indices}"), flaw.to_string())
-    })
+    }
 }
 
 fn list(indices: &[u32]) -> Vec<[u32; 3]> {

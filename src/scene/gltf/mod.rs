@@ -8,16 +8,21 @@ mod animation;
 mod buffers;
 mod container;
 mod document;
+mod draco;
 mod features;
+mod materials;
 mod mesh;
+mod meshopt;
 mod nodes;
+mod views;
 
 use super::model::{FileCamera, FileLight, FileLightKind, Model, Part, place};
-use super::{Projection, SceneError};
+use super::{BlendRule, Projection, SceneError};
 use accessor::Source;
 use document::{Camera, Document, Light, entry, malformed};
-use std::collections::BTreeMap;
+use materials::Materials;
 use std::collections::btree_map::Entry;
+use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 use std::path::Path;
 use std::sync::Arc;
@@ -31,7 +36,7 @@ pub(super) fn is_glb(bytes: &[u8]) -> bool {
 ///
 /// # Errors
 /// [`SceneError::Malformed`], [`SceneError::Read`] for external buffers, [`SceneError::Unsupported`].
-pub(super) fn read(path: &Path, mut bytes: Vec<u8>, model: &mut Model) -> Result<(), SceneError> {
+pub(super) fn read(path: &Path, mut bytes: Vec<u8>, blend: BlendRule, model: &mut Model) -> Result<(), SceneError> {
     let container = container::locate(path, &bytes)?;
     let document = document::parse(path, &bytes[container.json])?;
     let visits = nodes::walk(path, &document)?;
@@ -52,7 +57,9 @@ pub(super) fn read(path: &Path, mut bytes: Vec<u8>, model: &mut Model) -> Result
         bytes.truncate(bin.end);
         bytes.split_off(bin.start)
     });
-    let buffers = buffers::load(path, &document, bin, &mut model.inputs)?;
+    let mut buffers = buffers::load(path, &document, bin, &mut model.inputs)?;
+    let meshes = in_scene.iter().filter_map(|&node| document.nodes[node].mesh).collect::<BTreeSet<_>>();
+    buffers.draco = draco::decode(Source { path, document: &document, buffers: &buffers }, meshes.into_iter())?;
     let source = Source { path, document: &document, buffers: &buffers };
 
     let file: Arc<Path> = Arc::from(path);
@@ -63,7 +70,8 @@ pub(super) fn read(path: &Path, mut bytes: Vec<u8>, model: &mut Model) -> Result
         model_node[visit.index] = Some(model.nodes.len());
         model.nodes.push(nodes::convert(&file, visit.index, node, visit.parent.map(|parent| base + parent))?);
     }
-    add_meshes(source, &model_node, &in_scene, model, &mut notes)?;
+    let materials = Materials::new(source, blend);
+    add_meshes(source, materials, &model_node, &in_scene, model, &mut notes)?;
     for &index in &in_scene {
         add_camera_and_light(path, &document, index, model_node[index].unwrap_or(0), model)?;
     }
@@ -81,13 +89,13 @@ fn latest(a: Option<f64>, b: Option<f64>) -> Option<f64> {
 
 fn add_meshes(
     source: Source<'_>,
+    materials: Materials<'_>,
     model_node: &[Option<usize>],
     in_scene: &[usize],
     model: &mut Model,
     notes: &mut Vec<String>,
 ) -> Result<(), SceneError> {
-    let mut positions = mesh::Positions::new();
-    let mut skipped = mesh::Skipped::default();
+    let mut reader = mesh::Reader::new(source, materials);
     let mut model_mesh = BTreeMap::new();
     for &index in in_scene {
         let (Some(node), Some(mesh)) = (model_node[index], source.document.nodes[index].mesh) else { continue };
@@ -96,17 +104,22 @@ fn add_meshes(
         let mesh = match model_mesh.entry(mesh) {
             Entry::Occupied(known) => *known.get(),
             Entry::Vacant(slot) => {
-                model.meshes.push(mesh::read(source, mesh, gltf_mesh, &mut positions, &mut skipped)?);
+                let read = reader.read(mesh, gltf_mesh, &mut model.masks, &mut model.inputs)?;
+                model.meshes.push(read);
                 *slot.insert(model.meshes.len() - 1)
             }
         };
         model.parts.push(Part { node, mesh });
     }
+    let skipped = reader.skipped;
     if skipped.points_or_lines > 0 {
         notes.push(format!("{} primitives of points or lines ignored", skipped.points_or_lines));
     }
     if skipped.degenerate > 0 {
         notes.push(format!("{} triangles without area dropped", skipped.degenerate));
+    }
+    if skipped.transparent > 0 {
+        notes.push(format!("{} wholly transparent triangles left out", skipped.transparent));
     }
     Ok(())
 }
