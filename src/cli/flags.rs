@@ -4,6 +4,7 @@ use clap::Args;
 use lixel::job::Preset;
 use lixel::methods::Method;
 use lixel::resolution::{Bound, Measure};
+use lixel::shot::Temporal;
 use toml::{Table, Value};
 
 use super::values::{integer, size, values};
@@ -36,6 +37,9 @@ pub(super) struct JobFlags {
     /// Whether sizes are measured
     #[arg(long, value_parser = values::<Measure>())]
     measure: Option<String>,
+    /// How the maps of neighbouring frames hang together
+    #[arg(long, value_parser = values::<Temporal>())]
+    temporal: Option<String>,
     /// The settings below the job's own
     #[arg(long, value_parser = values::<Preset>())]
     preset: Option<String>,
@@ -43,7 +47,7 @@ pub(super) struct JobFlags {
 
 impl JobFlags {
     /// Every flag: its name, its key, and its value if it was given.
-    fn entries(&self) -> [(&'static str, &'static str, Option<Value>); 9] {
+    fn entries(&self) -> [(&'static str, &'static str, Option<Value>); 10] {
         let text = |value: &Option<String>| value.clone().map(Value::String);
         [
             ("--frames", "frames.range", text(&self.frames)),
@@ -54,6 +58,7 @@ impl JobFlags {
             ("--method", "solver.method", text(&self.method)),
             ("--max-resolution", "map.max", self.max_resolution.map(integer)),
             ("--measure", "quality.measure", text(&self.measure)),
+            ("--temporal", "shot.temporal", text(&self.temporal)),
             ("--preset", "preset", text(&self.preset)),
         ]
     }

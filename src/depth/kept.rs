@@ -17,6 +17,73 @@ pub struct Kept {
     pub casters: u64,
 }
 
+/// Directions in which the extremes of merged points are kept.
+const DIRECTIONS: usize = 400;
+/// Points between those directions may stand out of the hull of the extremes: it is widened by this part of its extent. A
+/// smooth body stands out by 1 - cos of half the angle between neighbouring directions, 0.3 % for 400 of them.
+const WIDENED: f64 = 0.01;
+
+impl Kept {
+    /// Adds what another frame keeps under the same homography, in the same light's frame. Of both only the extremes stay:
+    /// what the depth row depends on is the convex hull of (q, e) / w.
+    pub fn merge(&mut self, other: &Kept, h: &DMat3) {
+        let p4 = h.row(2);
+        if !other.points.is_empty() {
+            self.points.extend(extremes(&other.points, p4));
+            let [low, high] = if self.range_m == [0.0; 2] { other.range_m } else { self.range_m };
+            self.range_m = [low.min(other.range_m[0]), high.max(other.range_m[1])];
+        }
+        self.casters = self.casters.max(other.casters);
+    }
+}
+
+/// Extremes of points (q, e) / w, widened about their mean, which like all of them has w = 1.
+fn extremes(points: &[DVec4], p4: DVec3) -> Vec<DVec4> {
+    let scaled: Vec<DVec4> = points.iter().map(|v| *v / v.truncate().dot(p4)).collect();
+    let low = scaled.iter().fold(DVec4::INFINITY, |m, v| m.min(*v));
+    let high = scaled.iter().fold(DVec4::NEG_INFINITY, |m, v| m.max(*v));
+    let mean = scaled.iter().fold(DVec4::ZERO, |s, v| s + *v / scaled.len() as f64);
+    let scale = (high - low).map(|e| if e > 0.0 { 1.0 / e } else { 0.0 });
+    let chosen: Vec<usize> = (0..DIRECTIONS)
+        .into_par_iter()
+        .filter_map(|k| {
+            let direction = direction(k) * scale;
+            let farther = |b: usize, i: usize| if scaled[i].dot(direction) > scaled[b].dot(direction) { i } else { b };
+            (0..scaled.len()).reduce(farther)
+        })
+        .collect();
+    let mut chosen = chosen;
+    chosen.sort_unstable();
+    chosen.dedup();
+    // Of a point light e = 1/w: a widened far end stays in front of infinity.
+    let least = if low.w > 0.0 { 0.5 * low.w } else { f64::NEG_INFINITY };
+    let widened = |i: usize| {
+        let v = mean + (scaled[i] - mean) * (1.0 + WIDENED);
+        DVec4::new(v.x, v.y, v.z, v.w.max(least))
+    };
+    chosen.into_iter().map(widened).collect()
+}
+
+/// Directions spread over the 4-sphere: both signs of each axis, then a Weyl sequence through the normal distribution's
+/// Box-Muller pairs.
+fn direction(k: usize) -> DVec4 {
+    if k < 8 {
+        let mut axis = DVec4::ZERO;
+        axis[k / 2] = if k % 2 == 0 { 1.0 } else { -1.0 };
+        return axis;
+    }
+    // Roberts 2018: powers of the root of x^5 = x + 1 spread best in four dimensions.
+    const ROOT: f64 = 1.167_303_978_261_418_7;
+    let u: [f64; 4] = std::array::from_fn(|i| (0.5 + k as f64 * ROOT.powi(-(i as i32 + 1))).fract());
+    let pair = |a: f64, b: f64| {
+        let radius = (-2.0 * (1.0 - a).ln()).sqrt();
+        let (s, c) = (std::f64::consts::TAU * b).sin_cos();
+        (radius * c, radius * s)
+    };
+    let ((x, y), (z, w)) = (pair(u[0], u[1]), pair(u[2], u[3]));
+    DVec4::new(x, y, z, w).normalize_or(DVec4::X)
+}
+
 /// Smallest w kept, relative to the largest among receivers. A caster nearer the light than this is cut at it: f32 depth
 /// (24 bits) can not hold both it and the receivers.
 const W_MIN: f64 = 1e-6;

@@ -22,6 +22,7 @@ use crate::methods::SolverParams;
 use crate::resolution::{MapParams, QualityParams};
 use crate::samples::SamplingParams;
 use crate::scene::{CameraParams, FramesParams, ImageParams, LightParams};
+use crate::shot::TemporalParams;
 
 pub use check::{Problem, check};
 pub use error::{JobError, Located};
@@ -56,6 +57,8 @@ pub struct Job {
     pub sampling: SamplingParams,
     /// How matrices are found.
     pub solver: SolverParams,
+    /// How the maps of neighbouring frames hang together.
+    pub shot: TemporalParams,
 }
 
 /// The two ways of writing `scene`, for the schema only.

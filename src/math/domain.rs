@@ -1,5 +1,6 @@
 //! Which points a map answers for.
 
+use super::RigidMotion;
 use glam::DVec3;
 
 /// Which points look a map up.
@@ -21,6 +22,19 @@ pub enum Domain {
 }
 
 impl Domain {
+    /// The points that `motion` takes into this domain; `None` for a domain that cannot be moved.
+    pub fn carried(&self, motion: &RigidMotion) -> Option<Domain> {
+        match *self {
+            Domain::All => Some(Domain::All),
+            Domain::CubeFace { position, axes, axis, positive } => Some(Domain::CubeFace {
+                position: motion.inverse_point(position),
+                axes: axes.map(|a| motion.inverse_vector(a)),
+                axis,
+                positive,
+            }),
+        }
+    }
+
     /// Whether a scene point looks this map up. On ties the lower axis wins.
     pub fn holds(&self, point: DVec3) -> bool {
         match *self {

@@ -1,9 +1,10 @@
 //! What a method returns.
 
-use super::plane::Plane;
+use super::plane::{Plane, edge_samples};
 use crate::fit::Termination;
-use crate::math::{Domain, LightSpace};
+use crate::math::{Domain, LightSpace, RigidMotion};
 use crate::metric::{Metric, TexelRows, cost, inverse_jacobian_norm2};
+use crate::samples::EdgePoint;
 use glam::{DMat3, DVec3};
 use std::sync::Arc;
 
@@ -71,6 +72,22 @@ impl Region {
     pub(super) fn moved(&self, rows: [DVec3; 3], aspect: f64) -> Region {
         let h = homography(&self.plane, &rows);
         Region { h, rows, aspect, ..self.clone() }
+    }
+
+    /// The same region, its predictions over other edges of the same light: those of another frame.
+    pub fn over(&self, edges: &[EdgePoint], cap: usize) -> Region {
+        let plane = &self.plane;
+        let (samples, grazing) = edge_samples(edges, cap, &plane.space, &plane.normalisation);
+        let (hull, normalisation) = (plane.hull.clone(), plane.normalisation);
+        let plane = Plane { space: plane.space, hull, normalisation, samples, grazing };
+        Region { plane: Arc::new(plane), ..self.clone() }
+    }
+
+    /// The region of a light that was carried to another place, as seen from where it stands now: it answers for X as this
+    /// one does for `here_from_there` X. `None` for a domain that does not move with its light.
+    pub fn carried(&self, here_from_there: &RigidMotion) -> Option<Region> {
+        let domain = self.domain.carried(here_from_there)?;
+        Some(Region { domain, space: self.space.carried(here_from_there), ..self.clone() })
     }
 
     /// Whether the map is a camera's: always for point and spot lights; for directional ones when p4 is constant, that is

@@ -1,31 +1,16 @@
 //! One light of one frame: from rays to an entry of the plan.
 
 use super::map_entry::{Seen, map_entry};
+use super::stage::{FrameStage, measures};
 use super::{LightError, LightPlan, Measured, PlanError, Predicted, SolverReport, Status, Tried};
 use crate::job::Job;
-use crate::math::Bounds;
 use crate::measure::{EDGE_ON_DEGREES, Outside, Receivers};
 use crate::resolution::{
-    Bound, Certified, FilmQuestion, FittedLight, Judge, JudgedMap, Measure, certify, fit_light, polish, predict_only,
+    Bound, Certified, FilmQuestion, FittedLight, Judge, JudgedMap, certify, fit_light, polish, predict_only,
 };
-use crate::samples::{GridView, LightSamples, sample_light};
-use crate::scene::{Camera, Film, Light};
-use crate::visibility::{RayOffset, Tracer, View};
+use crate::samples::{LightSamples, sample_light};
+use crate::scene::{Film, Light};
 use std::time::Instant;
-
-/// What a frame gives to each of its lights.
-pub(super) struct FrameStage<'a> {
-    pub(super) tracer: &'a Tracer<'a>,
-    pub(super) camera: &'a Camera,
-    pub(super) film: Film,
-    pub(super) grid: &'a GridView,
-    /// Absent when nothing is measured.
-    pub(super) view: Option<&'a View>,
-    pub(super) bounds: Bounds,
-    pub(super) offset: RayOffset,
-    /// Rays spent on the frame itself, shared out.
-    pub(super) rays_share: u64,
-}
 
 /// Most visible points kept for bias, witnesses and round trips.
 const SEEN_MAX: usize = 4096;
@@ -61,14 +46,8 @@ fn settle(
         None => (samples.facing, samples.shadowed),
     };
     let needed = if job.map.outside == Outside::Lit { shadowed } else { facing - shadowed };
-    if facing == 0 || needed == 0 {
-        let at = if film.is_some() { "no pixel" } else { "no position of the planning grid" };
-        (entry.status, entry.reason) = if facing == 0 {
-            (Status::Unlit, Some(format!("{at} faces the light within its reach")))
-        } else {
-            let differs = if job.map.outside == Outside::Lit { "in shadow" } else { "lit" };
-            (Status::NoVisibleShadow, Some(format!("{at} that faces the light is {differs}")))
-        };
+    if needed == 0 {
+        no_map_needed(entry, facing, job);
         return Ok(());
     }
     let question = FilmQuestion {
@@ -132,7 +111,18 @@ fn settle(
     Ok(())
 }
 
-fn not_met_reason(job: &Job, certified: &Certified, film: Film) -> String {
+/// Status and reason of a light that no map has to be looked up for.
+pub(super) fn no_map_needed(entry: &mut LightPlan, facing: u64, job: &Job) {
+    let at = if measures(job) { "no pixel" } else { "no position of the planning grid" };
+    (entry.status, entry.reason) = if facing == 0 {
+        (Status::Unlit, Some(format!("{at} faces the light within its reach")))
+    } else {
+        let differs = if job.map.outside == Outside::Lit { "in shadow" } else { "lit" };
+        (Status::NoVisibleShadow, Some(format!("{at} that faces the light is {differs}")))
+    };
+}
+
+pub(super) fn not_met_reason(job: &Job, certified: &Certified, film: Film) -> String {
     let largest = certified.sizes.iter().map(|[w, h]| format!("{w}x{h}")).collect::<Vec<_>>().join(" + ");
     match &certified.chosen {
         Some(trial) if job.quality.bound == Bound::Misclassified => format!(
@@ -153,7 +143,7 @@ fn not_met_reason(job: &Job, certified: &Certified, film: Film) -> String {
     }
 }
 
-fn solver_report(job: &Job, fitted: &FittedLight) -> SolverReport {
+pub(super) fn solver_report(job: &Job, fitted: &FittedLight) -> SolverReport {
     let reports = || fitted.regions.iter().map(|r| r.report);
     let worst = reports().fold(None, |w: Option<crate::methods::Report>, r| match w {
         Some(w) if w.spread >= r.spread => Some(w),
@@ -171,7 +161,7 @@ fn solver_report(job: &Job, fitted: &FittedLight) -> SolverReport {
     }
 }
 
-fn light_error(job: &Job, certified: &Certified, stage: &FrameStage, film: Option<&Receivers>) -> LightError {
+pub(super) fn light_error(job: &Job, certified: &Certified, stage: &FrameStage, film: Option<&Receivers>) -> LightError {
     let of_quantile = |bound: Bound, value: Option<f64>| if job.quality.bound == bound { value } else { None };
     let measured = certified.chosen.as_ref().filter(|_| film.is_some()).map(|trial| {
         let verdict = trial.verdict;
@@ -216,7 +206,7 @@ fn light_error(job: &Job, certified: &Certified, stage: &FrameStage, film: Optio
 }
 
 /// Visible points of the light, evenly thinned: of the film where it was classified, else of the grid.
-fn seen(stage: &FrameStage, light: &Light, film: Option<&Receivers>) -> Vec<Seen> {
+pub(super) fn seen(stage: &FrameStage, light: &Light, film: Option<&Receivers>) -> Vec<Seen> {
     match (film, stage.view) {
         (Some(film), Some(view)) => {
             let stride = film.len().div_ceil(SEEN_MAX).max(1);
@@ -243,9 +233,4 @@ fn seen(stage: &FrameStage, light: &Light, film: Option<&Receivers>) -> Vec<Seen
             })
             .collect(),
     }
-}
-
-/// Whether a job measures.
-pub(super) fn measures(job: &Job) -> bool {
-    job.quality.measure == Measure::Always
 }

@@ -1,5 +1,6 @@
 //! The plan: the versioned result of planning a shot, its JSON and TOML files, and checking one later.
 
+mod across;
 mod conventions;
 mod error;
 mod inputs;
@@ -11,8 +12,10 @@ mod map_entry;
 mod read;
 mod remeasure;
 mod render;
+mod stage;
 mod types;
 mod verify;
+mod whole_shot;
 mod watch;
 mod write;
 

@@ -9,6 +9,8 @@ use super::PlanError;
 pub enum Stage {
     /// Reading the scene's files.
     Load,
+    /// Sampling the frames of a shot; counted in frames.
+    Samples,
     /// Planning, measuring or drawing; counted in lights of frames.
     Lights,
 }

@@ -1,7 +1,7 @@
 //! Draws a light's maps at a size and judges every film pixel, certain and uncertain apart.
 
 use super::{Bound, FilmQuestion, FittedLight, QualityParams};
-use crate::depth::{DepthError, DepthRow, fit_row, kept_points};
+use crate::depth::{DepthError, DepthRow, Kept, fit_row, kept_points};
 use crate::measure::{Certainty, Drawn, Receivers, Verdict, edge_distance, footprint, wrong};
 use crate::methods::Region;
 use crate::raster::{Bias, Canvas, RasterError};
@@ -40,10 +40,20 @@ pub struct JudgedMap {
 impl JudgedMap {
     /// The matrix of a region with the depth row that holds `receivers` and their casters.
     pub fn new(region: Region, geometry: Geometry, receivers: &[DVec3]) -> Result<JudgedMap, DepthError> {
-        let inside: Vec<DVec3> =
-            receivers.iter().copied().filter(|p| region.domain.holds(*p) && region.contains(*p)).collect();
-        let kept = kept_points(geometry, &region.space, &region.h, &inside);
-        let depth = fit_row(&region.space, &region.h, &kept, region.is_camera())?;
+        let kept = JudgedMap::kept(&region, geometry, receivers);
+        JudgedMap::holding(region, &kept)
+    }
+
+    /// What a region's depth range has to hold: those of `receivers` that look it up, and their casters.
+    pub fn kept(region: &Region, geometry: Geometry, receivers: &[DVec3]) -> Kept {
+        let looks_up = |p: &DVec3| region.domain.holds(*p) && region.contains(*p);
+        let inside: Vec<DVec3> = receivers.iter().copied().filter(looks_up).collect();
+        kept_points(geometry, &region.space, &region.h, &inside)
+    }
+
+    /// The matrix of a region with the depth row that holds what is kept.
+    pub fn holding(region: Region, kept: &Kept) -> Result<JudgedMap, DepthError> {
+        let depth = fit_row(&region.space, &region.h, kept, region.is_camera())?;
         Ok(JudgedMap { clip_from_scene: clip_from_scene(&region, depth.row), region, depth })
     }
 }
@@ -72,8 +82,20 @@ impl<'a> Judge<'a> {
     ) -> Result<Judge<'a>, DepthError> {
         let new = |region: &Region| JudgedMap::new(region.clone(), tracer.geometry(), &receivers.positions);
         let maps = fitted.regions.iter().map(new).collect::<Result<_, _>>()?;
+        Ok(Judge::of_maps(tracer, view, question, maps, receivers, offset))
+    }
+
+    /// For maps whose depth rows are settled.
+    pub fn of_maps(
+        tracer: &'a Tracer<'a>,
+        view: &'a View,
+        question: &'a FilmQuestion<'a>,
+        maps: Vec<JudgedMap>,
+        receivers: &'a Receivers,
+        offset: RayOffset,
+    ) -> Judge<'a> {
         let certainty = Certainty::new(tracer, view, question.camera, question.light, receivers, offset);
-        Ok(Judge {
+        Judge {
             tracer,
             view,
             question,
@@ -83,7 +105,7 @@ impl<'a> Judge<'a> {
             certainty,
             texels_drawn: 0,
             triangles_drawn: 0,
-        })
+        }
     }
 
     /// The matrix of a region over the same receivers.

@@ -9,9 +9,11 @@ mod polish;
 mod search;
 mod sizes;
 
-pub use bias::default_bias;
-pub use certify::{Certified, Trial, certify, predict_only};
-pub use fitted::{FilmQuestion, FittedLight, fit_light, predict, shares};
+pub use bias::{default_bias, measured_bias};
+pub use certify::{Certified, Trial, certify, grid_of, predict_only, predicted_at_quantile, trial};
+pub use fitted::{
+    FilmQuestion, FittedLight, bound_limit, fit_light, predict, predicted_bound, predicted_texels, shares,
+};
 pub use judge::{Judge, JudgedMap};
 pub use params::{AspectRule, BiasParams, Bound, MapParams, Measure, QualityParams, SIZE_MAX};
 pub use polish::polish;

@@ -1,0 +1,111 @@
+//! The stage of a frame, set from the shot: its triangles sorted for rays, its film and its planning grid seen.
+
+use super::PlanError;
+use crate::job::Job;
+use crate::math::Bounds;
+use crate::resolution::Measure;
+use crate::samples::{Grid, GridView};
+use crate::scene::{Camera, Film, FrameTime, Geometry, SceneFrame, Shot};
+use crate::visibility::{Bvh, RayOffset, Tracer, View, see};
+
+/// What a frame gives to each of its lights.
+pub(super) struct FrameStage<'a> {
+    pub(super) tracer: &'a Tracer<'a>,
+    pub(super) camera: &'a Camera,
+    pub(super) film: Film,
+    pub(super) grid: &'a GridView,
+    /// Absent when nothing is measured.
+    pub(super) view: Option<&'a View>,
+    pub(super) bounds: Bounds,
+    pub(super) offset: RayOffset,
+    /// Rays spent on the frame itself, shared out.
+    pub(super) rays_share: u64,
+}
+
+/// What all frames of a shot share.
+pub(super) struct Stages<'a> {
+    pub(super) shot: &'a Shot,
+    pub(super) job: &'a Job,
+    still: Bvh,
+    still_bounds: Bounds,
+}
+
+impl<'a> Stages<'a> {
+    /// Sorts the still triangles.
+    pub(super) fn new(shot: &'a Shot, job: &'a Job) -> Stages<'a> {
+        let still_bounds = Bounds::of(shot.scene.still.iter().flatten().map(|v| v.as_dvec3()));
+        Stages { shot, job, still: Bvh::build(&shot.scene.still), still_bounds }
+    }
+
+    /// Number of frames.
+    pub(super) fn len(&self) -> usize {
+        self.shot.frames.len()
+    }
+
+    /// A frame of the shot, by place.
+    pub(super) fn time(&self, frame: usize) -> FrameTime {
+        self.shot.frames[frame]
+    }
+
+    /// Sets the stage of a frame, by place, and hands it over.
+    ///
+    /// # Errors
+    /// When the frame has no pose; and those of `work`.
+    pub(super) fn with<R>(
+        &self,
+        frame: usize,
+        work: impl FnOnce(&FrameStage, &SceneFrame) -> Result<R, PlanError>,
+    ) -> Result<R, PlanError> {
+        self.set(frame, true, work)
+    }
+
+    /// The same for who asks the film alone: where it is measured, the planning grid is empty.
+    ///
+    /// # Errors
+    /// When the frame has no pose; and those of `work`.
+    pub(super) fn film<R>(
+        &self,
+        frame: usize,
+        work: impl FnOnce(&FrameStage, &SceneFrame) -> Result<R, PlanError>,
+    ) -> Result<R, PlanError> {
+        self.set(frame, !measures(self.job), work)
+    }
+
+    fn set<R>(
+        &self,
+        frame: usize,
+        grid: bool,
+        work: impl FnOnce(&FrameStage, &SceneFrame) -> Result<R, PlanError>,
+    ) -> Result<R, PlanError> {
+        let (shot, job) = (self.shot, self.job);
+        let frame = shot.scene.frame(self.time(frame).time_s)?;
+        let geometry = Geometry { still: &shot.scene.still, moving: &frame.moving };
+        let moving = (!frame.moving.is_empty()).then(|| Bvh::build(&frame.moving));
+        let tracer = Tracer::new(geometry, &self.still, moving.as_ref());
+        let bounds = self.still_bounds.union(Bounds::of(frame.moving.iter().flatten().map(|v| v.as_dvec3())));
+        let positions = Grid::new(shot.film, job.sampling.grid);
+        let grid = if grid {
+            GridView::see(&tracer, &frame.camera, positions)
+        } else {
+            GridView { grid: positions, surfaces: Vec::new() }
+        };
+        let view = measures(job).then(|| see(&tracer, &frame.camera, shot.film));
+        let primary = grid.surfaces.len() + if view.is_some() { shot.film.pixels() } else { 0 };
+        let stage = FrameStage {
+            tracer: &tracer,
+            camera: &frame.camera,
+            film: shot.film,
+            grid: &grid,
+            view: view.as_ref(),
+            bounds,
+            offset: RayOffset::for_scene(&tracer),
+            rays_share: (primary / frame.lights.len().max(1)) as u64,
+        };
+        work(&stage, &frame)
+    }
+}
+
+/// Whether a job measures.
+pub(super) fn measures(job: &Job) -> bool {
+    job.quality.measure == Measure::Always
+}
