@@ -24,6 +24,7 @@ impl Bar {
         self.bar.set_message(match progress.stage {
             Stage::Load => "loading",
             Stage::Samples => "frames",
+            Stage::Flicker => "flicker",
             Stage::Lights => "lights",
         });
         self.bar.set_length(progress.total);

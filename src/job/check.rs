@@ -72,7 +72,7 @@ pub fn check(job: &Job) -> Result<(), Problem> {
     settings::map(&job.map)?;
     settings::sampling(&job.sampling)?;
     settings::solver(&job.solver)?;
-    settings::shot(&job.shot, job.map.shape)
+    settings::shot(&job.shot, &job.map)
 }
 
 fn scene(job: &Job) -> Result<(), Problem> {

@@ -114,6 +114,11 @@ pub fn wrong(receivers: &Receivers, maps: &[Drawn], outside: Outside) -> Vec<u32
         .collect()
 }
 
+/// Whether a scene point is taken for shadowed.
+pub fn answers_shadowed(maps: &[Drawn], point: DVec3, outside: Outside) -> bool {
+    answer_of(look_up(maps, point), outside)
+}
+
 /// Whether a looked-up point is taken for shadowed.
 fn answer_of(looked: Looked, outside: Outside) -> bool {
     match looked {

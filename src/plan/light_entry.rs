@@ -15,8 +15,17 @@ use std::time::Instant;
 /// Most visible points kept for bias, witnesses and round trips.
 const SEEN_MAX: usize = 4096;
 
-/// Plans one light. `timings` adds wall time.
-pub(super) fn light_entry(stage: &FrameStage, light: &Light, job: &Job, timings: bool) -> Result<LightPlan, PlanError> {
+/// What may replace the regions that were fitted for a frame.
+pub(super) type Choose<'a> = dyn FnMut(FittedLight, &LightSamples) -> FittedLight + 'a;
+
+/// Plans one light. `timings` adds wall time; `choose` has the last word on the regions before sizes are measured.
+pub(super) fn light_entry(
+    stage: &FrameStage,
+    light: &Light,
+    job: &Job,
+    timings: bool,
+    choose: Option<&mut Choose>,
+) -> Result<LightPlan, PlanError> {
     let start = Instant::now();
     let mut entry = LightPlan::unplanned(light, job.quality.epsilon());
     let cover_lit = job.map.outside == Outside::Shadowed;
@@ -25,7 +34,7 @@ pub(super) fn light_entry(stage: &FrameStage, light: &Light, job: &Job, timings:
     let film = stage.view.map(|view| Receivers::classify(stage.tracer, view, stage.camera, light, stage.offset));
     entry.cost.samples = samples.edges.len() as u64;
     entry.cost.rays = stage.rays_share + samples.rays + film.as_ref().map_or(0, |f| f.len() as u64);
-    settle(stage, light, job, &samples, film.as_ref(), &mut entry)?;
+    settle(stage, light, job, (&samples, film.as_ref()), &mut entry, choose)?;
     if timings {
         entry.cost.milliseconds = Some(start.elapsed().as_secs_f64() * 1e3);
     }
@@ -37,9 +46,9 @@ fn settle(
     stage: &FrameStage,
     light: &Light,
     job: &Job,
-    samples: &LightSamples,
-    film: Option<&Receivers>,
+    (samples, film): (&LightSamples, Option<&Receivers>),
     entry: &mut LightPlan,
+    choose: Option<&mut Choose>,
 ) -> Result<(), PlanError> {
     let (facing, shadowed) = match film {
         Some(film) => (film.len() as u64, film.shadowed_count()),
@@ -67,6 +76,10 @@ fn settle(
             return Ok(());
         }
     };
+    let polishes = choose.is_none();
+    if let Some(choose) = choose {
+        fitted = choose(fitted, samples);
+    }
     let seen = seen(stage, light, film);
     let (maps, certified) = match (film, stage.view) {
         (Some(film), Some(view)) => {
@@ -78,7 +91,9 @@ fn settle(
                     return Ok(());
                 }
             };
-            polish(&question, samples, &mut fitted, &mut judge)?;
+            if polishes {
+                polish(&question, samples, &mut fitted, &mut judge)?;
+            }
             let certified = certify(&question, &fitted, &mut judge)?;
             entry.cost.texels_drawn = judge.texels_drawn;
             entry.cost.triangles_drawn = judge.triangles_drawn;

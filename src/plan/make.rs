@@ -62,7 +62,7 @@ fn per_frame(stages: &Stages, timings: bool, watch: &Watch) -> Result<Vec<FrameP
             let mut lights = Vec::with_capacity(frame.lights.len());
             for light in &frame.lights {
                 watch.step(Stage::Lights, done, total)?;
-                lights.push(light_entry(stage, light, stages.job, timings)?);
+                lights.push(light_entry(stage, light, stages.job, timings, None)?);
                 done += 1;
             }
             watch.step(Stage::Lights, done, total)?;

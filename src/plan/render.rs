@@ -58,7 +58,7 @@ pub fn render(
     let mut film = Film::new(&seeing);
     for (entry, light) in planned.lights.iter().zip(&posed.lights) {
         watch.check()?;
-        let measured = remeasure(&seeing, light, &entry.maps, loaded.job.map.outside)?;
+        let measured = remeasure(&seeing, light, &entry.maps, loaded.job.map.outside, None)?;
         let samples = sample_light(&tracer, &posed.camera, &grid, light, offset, loaded.job.sampling.refine, false);
         let name = file_name(entry, &planned.lights);
         film.add(&seeing, light, &name, &measured, &samples.edges);

@@ -22,11 +22,35 @@ pub(super) struct FrameStage<'a> {
     pub(super) rays_share: u64,
 }
 
+/// A frame with its moving triangles sorted for rays.
+pub(super) struct Posed {
+    pub(super) frame: SceneFrame,
+    moving: Option<Bvh>,
+}
+
+impl Posed {
+    /// The scene at a time of the shot.
+    ///
+    /// # Errors
+    /// When it has no pose then.
+    pub(super) fn new(shot: &Shot, time_s: f64) -> Result<Posed, PlanError> {
+        let frame = shot.scene.frame(time_s)?;
+        let moving = (!frame.moving.is_empty()).then(|| Bvh::build(&frame.moving));
+        Ok(Posed { frame, moving })
+    }
+
+    /// Rays through it.
+    pub(super) fn tracer<'a>(&'a self, shot: &'a Shot, still: &'a Bvh) -> Tracer<'a> {
+        let geometry = Geometry { still: &shot.scene.still, moving: &self.frame.moving };
+        Tracer::new(geometry, still, self.moving.as_ref())
+    }
+}
+
 /// What all frames of a shot share.
 pub(super) struct Stages<'a> {
     pub(super) shot: &'a Shot,
     pub(super) job: &'a Job,
-    still: Bvh,
+    pub(super) still: Bvh,
     still_bounds: Bounds,
 }
 
@@ -78,10 +102,8 @@ impl<'a> Stages<'a> {
         work: impl FnOnce(&FrameStage, &SceneFrame) -> Result<R, PlanError>,
     ) -> Result<R, PlanError> {
         let (shot, job) = (self.shot, self.job);
-        let frame = shot.scene.frame(self.time(frame).time_s)?;
-        let geometry = Geometry { still: &shot.scene.still, moving: &frame.moving };
-        let moving = (!frame.moving.is_empty()).then(|| Bvh::build(&frame.moving));
-        let tracer = Tracer::new(geometry, &self.still, moving.as_ref());
+        let posed = Posed::new(shot, self.time(frame).time_s)?;
+        let (tracer, frame) = (posed.tracer(shot, &self.still), &posed.frame);
         let bounds = self.still_bounds.union(Bounds::of(frame.moving.iter().flatten().map(|v| v.as_dvec3())));
         let positions = Grid::new(shot.film, job.sampling.grid);
         let grid = if grid {
@@ -101,7 +123,7 @@ impl<'a> Stages<'a> {
             offset: RayOffset::for_scene(&tracer),
             rays_share: (primary / frame.lights.len().max(1)) as u64,
         };
-        work(&stage, &frame)
+        work(&stage, frame)
     }
 }
 

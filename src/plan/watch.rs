@@ -13,6 +13,8 @@ pub enum Stage {
     Samples,
     /// Planning, measuring or drawing; counted in lights of frames.
     Lights,
+    /// Comparing the frames of a planned shot with the ones before them; counted in frames.
+    Flicker,
 }
 
 /// How far a stage is.

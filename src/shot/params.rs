@@ -48,7 +48,8 @@ pub struct TemporalParams {
     /// What `shot` minimises.
     pub minimise: Minimise,
     /// Texels that one pixel is worth whose answer pops at a change of matrix, at least 0. `shot` adds to each change this
-    /// times the wrong pixels that it expects there. 0 counts texels alone.
+    /// times the wrong pixels that it expects there. 0 counts texels alone; the default allows a change where it saves a
+    /// good part of the texels of many frames.
     pub change_cost: f64,
     /// Most segments of a light in mode `shot`, at least 1; absent = no limit.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -70,7 +71,7 @@ impl Default for TemporalParams {
         Self {
             temporal: Temporal::default(),
             minimise: Minimise::default(),
-            change_cost: 1000.0,
+            change_cost: 100_000.0,
             max_segments: None,
             hold: None,
             one_size: false,

@@ -11,7 +11,7 @@ use crate::scene::{Camera, Light, Triangle};
 use glam::{DVec2, DVec3};
 
 /// Most edge samples kept of a frame and light.
-pub const EDGES_KEPT: usize = 600;
+pub(super) const EDGES_KEPT: usize = 600;
 
 /// One light of one frame.
 #[derive(Clone, Debug)]

@@ -93,7 +93,7 @@ pub(super) fn solver(solver: &SolverParams) -> Result<(), Problem> {
     Ok(())
 }
 
-pub(super) fn shot(shot: &TemporalParams, shape: Shape) -> Result<(), Problem> {
+pub(super) fn shot(shot: &TemporalParams, map: &MapParams) -> Result<(), Problem> {
     let cost = shot.change_cost;
     require(cost >= 0.0 && cost.is_finite(), "shot.change_cost", cost, "a finite number of texels of at least 0")?;
     if let Some(most) = shot.max_segments {
@@ -107,9 +107,13 @@ pub(super) fn shot(shot: &TemporalParams, shape: Shape) -> Result<(), Problem> {
     require(part > 0.0 && part <= 1.0, "shot.hysteresis", part, "above 0 and at most 1")?;
     let border = shot.hysteresis_border;
     require((0.0..=0.4).contains(&border), "shot.hysteresis_border", border, "0 to 0.4")?;
-    if shot.temporal == Temporal::Snapped && shape != Shape::Rectangle {
+    if shot.temporal == Temporal::Snapped && map.shape != Shape::Rectangle {
         let message = "snapped maps move by whole texels, and these maps may turn and warp";
         return Err(problem("shot.temporal", message, "set map.shape = \"rectangle\""));
+    }
+    if shot.temporal == Temporal::Snapped && map.min < 2 {
+        let message = "a map of one texel cannot move by whole texels";
+        return Err(problem("map.min", message, "give at least 2"));
     }
     if shot.one_size && !matches!(shot.temporal, Temporal::Shot | Temporal::Snapped) {
         let message = "one size over the shot is a matter of the modes \"shot\" and \"snapped\"";

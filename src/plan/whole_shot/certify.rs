@@ -5,7 +5,7 @@ use super::super::map_entry::map_entry;
 use super::super::stage::{FrameStage, Stages};
 use super::super::{LightPlan, PlanError, Stage, Status, Watch};
 use super::held::Held;
-use super::range;
+use super::{range, window};
 use crate::math::RigidMotion;
 use crate::measure::{Drawn, Receivers};
 use crate::raster::{Bias, RasterError};
@@ -14,7 +14,7 @@ use crate::resolution::{
     predicted_at_quantile, predicted_texels, smallest, trial,
 };
 use crate::scene::Light;
-use crate::shot::{LightParts, carry, in_frame, interval_samples};
+use crate::shot::{Asked, LightParts, carry, in_frame, interval_samples};
 use std::time::Instant;
 
 /// Maps up to so many texels stay drawn from frame to frame: 128 MiB for each light in turn.
@@ -26,12 +26,15 @@ pub(super) fn certify(
     stages: &Stages,
     light: &LightParts,
     mut held: Vec<Held>,
+    asked: &Asked,
     timings: bool,
     watch: &Watch,
 ) -> Result<Result<Vec<Held>, String>, PlanError> {
     for segment in &mut held {
         watch.check()?;
-        polished(stages, light, segment)?;
+        if segment.windows.is_empty() {
+            polished(stages, light, segment, asked)?;
+        }
     }
     if let Err(reason) = range::find(stages, light, &mut held, watch)? {
         return Ok(Err(reason));
@@ -66,7 +69,7 @@ pub(super) fn one_size(
 }
 
 /// Better matrices near a segment's, by measurement on the frame that decides it. A light that moves stays with its own.
-fn polished(stages: &Stages, light: &LightParts, held: &mut Held) -> Result<(), PlanError> {
+fn polished(stages: &Stages, light: &LightParts, held: &mut Held, asked: &Asked) -> Result<(), PlanError> {
     let job = stages.job;
     let frame = held.predicted_decider();
     if job.solver.measured_rounds == 0 || light.poses[frame] != light.poses[0] {
@@ -80,19 +83,13 @@ fn polished(stages: &Stages, light: &LightParts, held: &mut Held) -> Result<(), 
             return Ok(());
         };
         let receivers = Receivers::classify(stage.tracer, view, stage.camera, here, stage.offset);
-        let question = question(stages, stage, here);
+        let question = FilmQuestion { map: asked.map, ..question(stages, stage, here) };
         if let Ok(mut judge) = Judge::new(stage.tracer, view, &question, &held.fitted, &receivers, stage.offset) {
             polish(&question, &samples, &mut held.fitted, &mut judge)?;
         }
         Ok(())
     })?;
-    let asked = crate::shot::Asked {
-        film: stages.shot.film,
-        quality: &job.quality,
-        map: &job.map,
-        solver: &job.solver,
-    };
-    held.refit(&asked);
+    held.refit(asked);
     Ok(())
 }
 
@@ -171,7 +168,8 @@ fn enter(
     let job = stages.job;
     let part = &light.parts[frame];
     let motion = carry(&light.poses[frame], &light.poses[0]);
-    let Some(maps) = carried(&held.maps, motion.as_ref()) else { return Ok(None) };
+    let at = |held: &Held, place: usize| carried(&window::maps(held, frame, place), motion.as_ref());
+    let Some(maps) = at(held, held.size) else { return Ok(None) };
     let mut entry = LightPlan::unplanned(here, job.quality.epsilon());
     (entry.cost.samples, entry.cost.rays) = (part.samples, part.rays);
     let film = stage.view.map(|view| Receivers::classify(stage.tracer, view, stage.camera, here, stage.offset));
@@ -179,18 +177,21 @@ fn enter(
         no_map_needed(&mut entry, part.facing, job);
         return Ok(Some(entry));
     }
-    let regions = in_frame(&held.fitted.regions, &part.edges);
+    let in_light: Vec<_> = window::maps(held, frame, held.size).into_iter().map(|m| m.region).collect();
+    let regions = in_frame(&in_light, &part.edges);
     let question = question(stages, stage, here);
     let mut certified = match (stage.view, &film) {
         (Some(view), Some(film)) => {
-            let mut judge = Judge::of_maps(stage.tracer, view, &question, maps.clone(), film, stage.offset);
-            let certified = measured(&question, held, &mut judge, frame, light)?;
+            let mut judge = Judge::of_maps(stage.tracer, view, &question, maps, film, stage.offset);
+            let at = |held: &Held, place: usize| at(held, place).unwrap_or_default();
+            let certified = measured(&question, held, &mut judge, frame, light, &at)?;
             entry.cost.texels_drawn = judge.texels_drawn;
             entry.cost.triangles_drawn = judge.triangles_drawn;
             certified
         }
         _ => predicted(&question, held, &regions),
     };
+    let Some(maps) = at(held, held.size) else { return Ok(None) };
     let texels = held.grid.texels(held.size);
     certified.predicted = predict(&regions, &held.fitted.shares, texels);
     let frame_fitted = crate::resolution::FittedLight { regions, ..held.fitted.clone() };
@@ -221,6 +222,7 @@ fn measured(
     judge: &mut Judge,
     frame: usize,
     light: &LightParts,
+    maps_at: &dyn Fn(&Held, usize) -> Vec<JudgedMap>,
 ) -> Result<Certified, RasterError> {
     let grid = held.grid.clone();
     let bias = match held.bias {
@@ -231,6 +233,7 @@ fn measured(
     let mut tried = held.tried.remove(&frame).unwrap_or_default();
     let mut probe = |held: &mut Held, judge: &mut Judge, place: usize| -> Result<Probe, RasterError> {
         let sizes = grid.sizes(place).to_vec();
+        judge.maps = maps_at(held, place);
         let drawn = draw(held, judge, &sizes, bias, (frame, place), light)?;
         let (probe, trial) = trial(question, judge, &drawn, sizes);
         held.drawn = (texels(&drawn) <= TEXELS_HELD).then_some((frame, place, drawn));
@@ -254,6 +257,7 @@ fn measured(
     }
     let chosen = tried.iter().find(|(place, _)| *place == held.size).map(|(_, t)| t.clone());
     let sizes = grid.sizes(held.size).to_vec();
+    judge.maps = maps_at(held, held.size);
     let drawn = draw(held, judge, &sizes, bias, (frame, held.size), light)?;
     let wrong = judge.wrong(&drawn);
     held.drawn = (texels(&drawn) <= TEXELS_HELD).then_some((frame, held.size, drawn));
@@ -286,7 +290,7 @@ fn draw(
     light: &LightParts,
 ) -> Result<Vec<Drawn>, RasterError> {
     match held.drawn.take() {
-        Some((at, size, drawn)) if size == place && (at == frame || held.same_content(at, frame, light)) => Ok(drawn),
+        Some((at, size, drawn)) if size == place && (at == frame || held.same_maps(at, frame, place, light)) => Ok(drawn),
         _ => judge.draw(sizes, bias),
     }
 }

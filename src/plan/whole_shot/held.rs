@@ -1,6 +1,7 @@
 //! A segment on its way through the frames: what is settled so far.
 
 use super::super::LightPlan;
+use super::window::Window;
 use crate::measure::Drawn;
 use crate::raster::Bias;
 use crate::resolution::{FittedLight, JudgedMap, SizeGrid, Trial};
@@ -14,6 +15,8 @@ pub(super) struct Held {
     pub(super) fitted: FittedLight,
     /// The sizes it may have.
     pub(super) grid: SizeGrid,
+    /// Of each region the part that a frame's map holds; none when that is all of it.
+    pub(super) windows: Vec<Window>,
     /// Its matrices, once the depth range is known.
     pub(super) maps: Vec<JudgedMap>,
     pub(super) bias: Option<Bias>,
@@ -43,6 +46,7 @@ impl Held {
             segment,
             grid: SizeGrid::new(&[], asked.map),
             fitted,
+            windows: Vec::new(),
             maps: Vec::new(),
             bias: None,
             size: 0,
@@ -60,8 +64,16 @@ impl Held {
 
     /// After the regions were changed.
     pub(super) fn refit(&mut self, asked: &Asked) {
-        let aspects = self.fitted.regions.iter().map(|r| r.aspect);
-        let maps: Vec<(f64, f64)> = aspects.zip(self.fitted.shares.iter().copied()).collect();
+        let parts = self.fitted.regions.iter().zip(&self.fitted.shares);
+        let maps: Vec<(f64, f64)> = if self.windows.is_empty() {
+            parts.map(|(r, share)| (r.aspect, *share)).collect()
+        } else {
+            let areas: Vec<f64> = parts.clone().zip(&self.windows).map(|((_, s), w)| s * w.size.x * w.size.y).collect();
+            let all: f64 = areas.iter().sum();
+            self.fitted.texels *= all;
+            let aspects = parts.zip(&self.windows).map(|((r, _), w)| r.aspect * w.size.x / w.size.y);
+            aspects.zip(&areas).map(|(aspect, area)| (aspect, area / all)).collect()
+        };
         self.grid = SizeGrid::new(&maps, asked.map);
         self.size = self.grid.at_least(self.fitted.texels);
     }
@@ -71,9 +83,11 @@ impl Held {
         self.segment.needing[self.segment.interval.decides]
     }
 
-    /// Whether two frames draw the same maps.
-    pub(super) fn same_content(&self, a: usize, b: usize, light: &LightParts) -> bool {
-        light.poses[a] == light.poses[b]
+    /// Whether two frames draw the same maps at a place on the grid.
+    pub(super) fn same_maps(&self, a: usize, b: usize, place: usize, light: &LightParts) -> bool {
+        let (sizes, windows) = (self.grid.sizes(place), self.windows.iter());
+        windows.zip(sizes).all(|(w, size)| w.snapped(a, *size) == w.snapped(b, *size))
+            && light.poses[a] == light.poses[b]
             && self.contents.contains_key(&a)
             && self.contents.get(&a) == self.contents.get(&b)
     }

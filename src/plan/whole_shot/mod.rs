@@ -15,15 +15,18 @@
 
 mod certify;
 mod held;
+mod hysteresis;
 mod range;
 mod sample;
+mod window;
 
 use super::light_entry::light_entry;
 use super::make::frame_entry;
 use super::stage::Stages;
 use super::{FramePlan, LightPlan, LightTemporal, PlanError, Stage, Watch};
 use crate::methods::Method;
-use crate::shot::{Asked, LightParts, Segmentation, Temporal, segments};
+use crate::resolution::AspectRule;
+use crate::shot::{Asked, Hold, LightParts, Segmentation, Temporal, segments};
 use held::Held;
 
 /// Cuts of a shot at most: the first by prediction, the others with costs corrected by measurement.
@@ -34,6 +37,9 @@ const STRONG: f64 = 1.5;
 
 /// Plans the shot.
 pub(super) fn plan(stages: &Stages, timings: bool, watch: &Watch) -> Result<Vec<FramePlan>, PlanError> {
+    if stages.job.shot.temporal == Temporal::Hysteresis {
+        return hysteresis::plan(stages, timings, watch);
+    }
     let sampled = sample::sample(stages, watch)?;
     let count = stages.len();
     let mut planned: Vec<Vec<Option<LightPlan>>> = Vec::new();
@@ -69,27 +75,43 @@ fn whole_light(
     watch: &Watch,
 ) -> Result<Vec<Option<LightPlan>>, PlanError> {
     let job = stages.job;
-    let asked = Asked { film: stages.shot.film, quality: &job.quality, map: &job.map, solver: &job.solver };
+    // One size means one aspect for all segments.
+    let mut map = job.map.clone();
+    if job.shot.one_size {
+        map.aspect = AspectRule::Fixed;
+    }
+    let asked = Asked { film: stages.shot.film, quality: &job.quality, map: &map, solver: &job.solver };
+    let mut params = job.shot.clone();
+    if params.temporal == Temporal::Snapped {
+        params.hold = Some(Hold::Shot);
+    }
     let mut correction = 1.0;
     let mut done: Vec<Held> = Vec::new();
     for cut in 0..CUTS {
         watch.check()?;
-        let segmentation = match segments(&asked, light, &job.shot, correction) {
+        let segmentation = match segments(&asked, light, &params, correction) {
             Ok(segmentation) => segmentation,
             Err(reason) => return alone(stages, light, &reason.to_string(), timings, watch),
         };
-        let (kept, fresh) = sort(done, segmentation, &asked);
+        let (kept, mut fresh) = sort(done, segmentation, &asked);
         done = kept;
         if fresh.is_empty() {
             break;
         }
-        match certify::certify(stages, light, fresh, timings, watch)? {
+        if params.temporal == Temporal::Snapped {
+            for held in &mut fresh {
+                if let Err(reason) = window::open(held, light, &asked) {
+                    return alone(stages, light, &reason, timings, watch);
+                }
+            }
+        }
+        match certify::certify(stages, light, fresh, &asked, timings, watch)? {
             Ok(held) => done.extend(held),
             Err(reason) => return alone(stages, light, &reason, timings, watch),
         }
         let next = measured_over_predicted(&done);
         let strong = (next / correction).max(correction / next) > STRONG;
-        if cut + 1 == CUTS || !(strong && job.shot.hold.is_none()) {
+        if cut + 1 == CUTS || !(strong && params.hold.is_none()) {
             break;
         }
         correction = next;
@@ -135,9 +157,9 @@ fn entries(stages: &Stages, light: &LightParts, done: Vec<Held>) -> Vec<Option<L
         let decided_by = held.decided_by.map(number);
         let mut last: Option<usize> = None;
         for (frame, mut entry) in std::mem::take(&mut held.entries) {
-            let from = drawn.filter(|_| last.is_some_and(|l| held.same_content(l, frame, light)));
+            let from = drawn.filter(|_| last.is_some_and(|l| held.same_maps(l, frame, held.size, light)));
             let temporal = LightTemporal {
-                mode: Temporal::Shot,
+                mode: stages.job.shot.temporal,
                 reason: None,
                 segment: Some(ends),
                 decided_by,
@@ -166,7 +188,7 @@ fn alone(
         watch.step(Stage::Lights, k as u64, stages.len() as u64)?;
         let name = &light.light.name;
         let entry = stages.with(k, |stage, frame| match frame.lights.iter().find(|l| l.name == *name) {
-            Some(light) => light_entry(stage, light, stages.job, timings).map(Some),
+            Some(light) => light_entry(stage, light, stages.job, timings, None).map(Some),
             None => Ok(None),
         })?;
         let temporal = LightTemporal::alone(stages.time(k).frame, Some(reason.to_owned()));
