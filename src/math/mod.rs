@@ -11,5 +11,5 @@ pub use bounds::Bounds;
 pub use domain::Domain;
 pub use hull::{convex_hull, support_subset};
 pub use light_space::{LightSpace, LightSpaceError};
-pub use motion::RigidMotion;
 pub use matrix::{Rows4, apply, det3, matrix_from_rows, rows_of};
+pub use motion::RigidMotion;

@@ -63,7 +63,8 @@ pub fn reproject(before: &Moment, now: &Moment, view: &View) -> Vec<Option<Earli
             return None;
         }
         let moved = !still && then.triangle(index) != today.triangle(index);
-        let point = if moved { follow(position, today.triangle_f64(index), then.triangle_f64(index))? } else { position };
+        let point =
+            if moved { follow(position, today.triangle_f64(index), then.triangle_f64(index))? } else { position };
         let (x, y, depth_m) = before.camera.project(before.film, point)?;
         let inside = x >= 0.0 && y >= 0.0 && x < f64::from(before.film.width) && y < f64::from(before.film.height);
         if !inside {

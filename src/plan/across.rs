@@ -36,7 +36,8 @@ pub(super) fn complete(stages: &Stages, frames: &mut [FramePlan], watch: &Watch)
             watch.check()?;
             let Some(light) = frame.lights.iter().find(|l| l.name == entry.light) else { continue };
             let reused = entry.temporal.as_ref().is_some_and(|t| t.reused_from.is_some());
-            let same = before.as_ref().filter(|_| reused).and_then(|b| b.maps_of(&entry.light)).filter(|m| !m.is_empty());
+            let same =
+                before.as_ref().filter(|_| reused).and_then(|b| b.maps_of(&entry.light)).filter(|m| !m.is_empty());
             let measured = remeasure(&seeing, light, &entry.maps, outside, same.map(Arc::clone))?;
             if let (Some(before), Some(earlier)) = (&before, &earlier) {
                 entry.flicker = before.flicker(of_shot, earlier, &entry.light, &measured, outside);

@@ -176,7 +176,12 @@ pub(super) fn solver_report(job: &Job, fitted: &FittedLight) -> SolverReport {
     }
 }
 
-pub(super) fn light_error(job: &Job, certified: &Certified, stage: &FrameStage, film: Option<&Receivers>) -> LightError {
+pub(super) fn light_error(
+    job: &Job,
+    certified: &Certified,
+    stage: &FrameStage,
+    film: Option<&Receivers>,
+) -> LightError {
     let of_quantile = |bound: Bound, value: Option<f64>| if job.quality.bound == bound { value } else { None };
     let measured = certified.chosen.as_ref().filter(|_| film.is_some()).map(|trial| {
         let verdict = trial.verdict;

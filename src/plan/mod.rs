@@ -15,8 +15,8 @@ mod render;
 mod stage;
 mod types;
 mod verify;
-mod whole_shot;
 mod watch;
+mod whole_shot;
 mod write;
 
 pub use conventions::Conventions;

@@ -11,8 +11,8 @@ use super::{Conventions, Input, SCHEMA};
 use crate::job::Job;
 
 pub use light::{Cost, LightError, LightPlan, Measured, Predicted, SolverReport, Status, Tried};
-pub use temporal::{Flicker, LightTemporal};
 pub use map::{CubeFace, Domain, Frustum, LightCamera, LightProjection, MapBias, MapPlan, Witness};
+pub use temporal::{Flicker, LightTemporal};
 
 /// Four rows of four, applied to column vectors.
 pub type Rows = [[f64; 4]; 4];

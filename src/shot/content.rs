@@ -55,7 +55,8 @@ pub fn content(moving: &[Triangle], light: &Light, cover: &[DVec3]) -> Content {
     let Ok(space) = LightSpace::around(light, cover) else {
         return Content::of(moving, |_| !cover.is_empty());
     };
-    let flat: Vec<DVec2> = cover.iter().map(|p| space.q(*p)).filter(|q| q.z > 0.0).map(|q| q.truncate() / q.z).collect();
+    let flat: Vec<DVec2> =
+        cover.iter().map(|p| space.q(*p)).filter(|q| q.z > 0.0).map(|q| q.truncate() / q.z).collect();
     let hull = convex_hull(&flat);
     let low = hull.iter().fold(DVec2::INFINITY, |m, p| m.min(*p));
     let high = hull.iter().fold(DVec2::NEG_INFINITY, |m, p| m.max(*p));
@@ -82,7 +83,8 @@ mod tests {
     #[test]
     fn content_changes_with_what_moves_under_the_light_and_with_nothing_else() {
         let sun = Light { name: "sun".into(), kind: LightKind::Directional { direction: DVec3::NEG_Y } };
-        let cover: Vec<DVec3> = [(0.0, 0.0), (4.0, 0.0), (4.0, 4.0), (0.0, 4.0)].map(|(x, z)| DVec3::new(x, 0.0, z)).into();
+        let cover: Vec<DVec3> =
+            [(0.0, 0.0), (4.0, 0.0), (4.0, 4.0), (0.0, 4.0)].map(|(x, z)| DVec3::new(x, 0.0, z)).into();
         let at = |x: f32| [[Vec3::new(x, 2.0, 1.0), Vec3::new(x + 1.0, 2.0, 1.0), Vec3::new(x, 2.0, 2.0)]];
         assert!(content(&[], &sun, &cover).is_still());
         assert!(content(&at(9.0), &sun, &cover).is_still(), "beside the map");

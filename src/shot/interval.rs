@@ -6,9 +6,7 @@
 use crate::fit::Effort;
 use crate::math::Bounds;
 use crate::methods::{Inapplicable, Region, SolverParams};
-use crate::resolution::{
-    FilmQuestion, FittedLight, MapParams, QualityParams, fit_light, predict, predicted_texels,
-};
+use crate::resolution::{FilmQuestion, FittedLight, MapParams, QualityParams, fit_light, predict, predicted_texels};
 use crate::samples::{EdgePoint, LightSamples};
 use crate::scene::{Film, Light};
 

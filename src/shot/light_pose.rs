@@ -65,7 +65,8 @@ mod tests {
         ];
         let poses = light_poses(&lights);
         for (light, pose) in lights.iter().zip(&poses) {
-            let motion = carry(pose, &poses[0]).unwrap_or(RigidMotion { rotation: DMat3::IDENTITY, translation: DVec3::ZERO });
+            let motion =
+                carry(pose, &poses[0]).unwrap_or(RigidMotion { rotation: DMat3::IDENTITY, translation: DVec3::ZERO });
             let LightKind::Spot { position, direction, .. } = light.kind else { panic!("a spot") };
             assert!((motion.point(position + direction * 2.0) - DVec3::new(0.0, 1.0, 0.0)).length() < 1e-12);
             let p = DVec3::new(0.2, -0.7, 5.0);

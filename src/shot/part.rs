@@ -127,7 +127,9 @@ mod tests {
     use crate::scene::LightKind;
 
     fn grid() -> Vec<DVec3> {
-        (0..400).map(|i| DVec3::new(f64::from(i % 20) - 9.5, 0.01 * f64::from(i % 7), f64::from(i / 20) - 9.5)).collect()
+        (0..400)
+            .map(|i| DVec3::new(f64::from(i % 20) - 9.5, 0.01 * f64::from(i % 7), f64::from(i / 20) - 9.5))
+            .collect()
     }
 
     #[test]
@@ -135,7 +137,8 @@ mod tests {
         let sun = Light { name: "sun".into(), kind: LightKind::Directional { direction: DVec3::NEG_Y } };
         let from_sun = extremes_for_light(&sun, &grid());
         assert_eq!(from_sun.len(), 4, "the corners of a square");
-        let bulb = Light { name: "b".into(), kind: LightKind::Point { position: DVec3::new(0.0, 1.0, 0.0), range: None } };
+        let bulb =
+            Light { name: "b".into(), kind: LightKind::Point { position: DVec3::new(0.0, 1.0, 0.0), range: None } };
         let from_bulb = extremes_for_light(&bulb, &grid());
         assert!(from_bulb.len() < 120, "{}", from_bulb.len());
         for side in [DVec3::X, DVec3::NEG_X, DVec3::Z, DVec3::NEG_Z] {

@@ -54,9 +54,8 @@ impl LightParts {
 
     /// How often a map over these frames is drawn: where light or content are not those of the frame before.
     fn draws(&self, frames: &[usize]) -> usize {
-        let same = |a: usize, b: usize| {
-            self.poses[a] == self.poses[b] && self.parts[a].content == self.parts[b].content
-        };
+        let same =
+            |a: usize, b: usize| self.poses[a] == self.poses[b] && self.parts[a].content == self.parts[b].content;
         frames.len().min(1) + frames.windows(2).filter(|w| !same(w[0], w[1])).count()
     }
 }

@@ -59,10 +59,13 @@ impl Across {
         let fault = match (temporal.reused_from, temporal.drawn_at, &last) {
             (None, Some(at), _) if at == frame => None,
             (Some(from), None, Some((_, origin, maps))) if *origin == from => {
-                let equal = maps.len() == measured.drawn.len() && maps.iter().zip(measured.drawn.iter()).all(|(a, b)| same(a, b));
+                let equal = maps.len() == measured.drawn.len()
+                    && maps.iter().zip(measured.drawn.iter()).all(|(a, b)| same(a, b));
                 (!equal).then(|| format!("its maps are not those drawn in frame {from}"))
             }
-            (Some(from), ..) => Some(format!("its maps are said to be reused from frame {from}, which drew none before it")),
+            (Some(from), ..) => {
+                Some(format!("its maps are said to be reused from frame {from}, which drew none before it"))
+            }
             _ => Some("it has maps, and says neither that they are drawn nor that they are reused".to_owned()),
         };
         self.drawn.push((entry.light.clone(), origin, Arc::clone(&measured.drawn)));

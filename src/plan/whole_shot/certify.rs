@@ -244,8 +244,7 @@ fn measured(
     let (least, guess) = if first { (0, held.size) } else { (held.size, held.size) };
     let met = !first && probe(held, judge, held.size)?.meets;
     if !met {
-        let found =
-            smallest(grid.len() - least, guess - least, question.map.step, |k| probe(held, judge, least + k))?;
+        let found = smallest(grid.len() - least, guess - least, question.map.step, |k| probe(held, judge, least + k))?;
         held.missed |= found.is_none();
         let place = found.map_or(grid.len() - 1, |k| least + k);
         if first || place > held.size {
@@ -290,7 +289,9 @@ fn draw(
     light: &LightParts,
 ) -> Result<Vec<Drawn>, RasterError> {
     match held.drawn.take() {
-        Some((at, size, drawn)) if size == place && (at == frame || held.same_maps(at, frame, place, light)) => Ok(drawn),
+        Some((at, size, drawn)) if size == place && (at == frame || held.same_maps(at, frame, place, light)) => {
+            Ok(drawn)
+        }
         _ => judge.draw(sizes, bias),
     }
 }

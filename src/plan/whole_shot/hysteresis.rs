@@ -78,8 +78,8 @@ fn kept(last: &Last, light: &Light, fresh: &FittedLight, border: f64, samples: &
     let motion: Option<RigidMotion> = carry(&poses[1], &poses[0]);
     let carried = |r: &Region| motion.as_ref().map_or_else(|| Some(r.clone()), |m| r.carried(m));
     let regions: Vec<Region> = last.regions.iter().map(carried).collect::<Option<_>>()?;
-    let same = regions.len() == fresh.regions.len()
-        && regions.iter().zip(&fresh.regions).all(|(a, b)| a.domain == b.domain);
+    let same =
+        regions.len() == fresh.regions.len() && regions.iter().zip(&fresh.regions).all(|(a, b)| a.domain == b.domain);
     if !same {
         return None;
     }

@@ -148,7 +148,8 @@ fn measured_over_predicted(done: &[Held]) -> f64 {
 
 /// The entries that segments came to, with the frames they are drawn in, and those of frames that need no map.
 fn entries(stages: &Stages, light: &LightParts, done: Vec<Held>) -> Vec<Option<LightPlan>> {
-    let mut entries: Vec<Option<LightPlan>> = light.parts.iter().map(|part| Some(sample::needless(stages, part))).collect();
+    let mut entries: Vec<Option<LightPlan>> =
+        light.parts.iter().map(|part| Some(sample::needless(stages, part))).collect();
     let number = |k: usize| stages.time(k).frame;
     for mut held in done {
         let mut drawn: Option<usize> = None;

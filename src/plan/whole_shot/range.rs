@@ -12,7 +12,12 @@ use crate::visibility::{Answer, answer};
 use glam::DVec3;
 
 /// Finds the depth rows of segments, and what moves in their maps. The inner error is the reason why there is no row.
-pub(super) fn find(stages: &Stages, light: &LightParts, held: &mut [Held], watch: &Watch) -> Result<Result<(), String>, PlanError> {
+pub(super) fn find(
+    stages: &Stages,
+    light: &LightParts,
+    held: &mut [Held],
+    watch: &Watch,
+) -> Result<Result<(), String>, PlanError> {
     for held in held.iter_mut() {
         let mut kept: Vec<Kept> = vec![Kept::default(); held.fitted.regions.len()];
         for &frame in &held.segment.needing {
@@ -55,7 +60,8 @@ fn visible(stage: &FrameStage, light: &Light) -> Vec<DVec3> {
         Some(view) => Receivers::classify(stage.tracer, view, stage.camera, light, stage.offset).positions,
         None => {
             let surfaces = stage.grid.surfaces.iter().flatten();
-            let facing = |s: &&crate::visibility::Surface| answer(stage.tracer, s, light, stage.offset) != Answer::Unlit;
+            let facing =
+                |s: &&crate::visibility::Surface| answer(stage.tracer, s, light, stage.offset) != Answer::Unlit;
             surfaces.filter(facing).map(|s| s.position).collect()
         }
     }
