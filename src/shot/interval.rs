@@ -9,6 +9,7 @@ use crate::methods::{Inapplicable, Region, SolverParams};
 use crate::resolution::{FilmQuestion, FittedLight, MapParams, QualityParams, fit_light, predict, predicted_texels};
 use crate::samples::{EdgePoint, LightSamples};
 use crate::scene::{Film, Light};
+use glam::DVec3;
 
 use super::part::{LightPart, thinned};
 
@@ -58,15 +59,21 @@ pub struct Interval {
 }
 
 /// Fits an interval: parts in the light's frame, in order, each with something to cover. `light` is the light as it stands
-/// there.
+/// there, `cover` what the maps have to hold.
 ///
 /// # Errors
 /// The method's own reason.
-pub fn fit_interval(asked: &Asked, light: &Light, parts: &[&LightPart], look: Look) -> Result<Interval, Inapplicable> {
+pub fn fit_interval(
+    asked: &Asked,
+    light: &Light,
+    parts: &[&LightPart],
+    cover: Vec<DVec3>,
+    look: Look,
+) -> Result<Interval, Inapplicable> {
     let Some(first) = parts.first() else { return Err(Inapplicable::Empty) };
     let quick = look == Look::Quick;
     let probed = probes(parts.len(), if quick { PROBED } else { parts.len() });
-    let samples = samples(parts, &probed, FITTED[usize::from(!quick)]);
+    let samples = LightSamples { covered: cover, ..samples(parts, &probed, FITTED[usize::from(!quick)]) };
     let solver = match look {
         Look::Full => asked.solver.clone(),
         Look::Quick => {
@@ -109,20 +116,18 @@ fn probes(of: usize, count: usize) -> Vec<usize> {
     (0..count).map(|k| (k * (of - 1) + (count - 1) / 2) / (count - 1)).collect()
 }
 
-/// What a fit gets: edges of the probed frames, of all of them together as long as those of one frame on the average; the
-/// cover of every frame.
+/// Edges of the probed frames, of all of them together as long as those of one frame on the average.
 fn samples(parts: &[&LightPart], probed: &[usize], count: usize) -> LightSamples {
     let share = (count / probed.len()).max(8);
     let scale = 1.0 / probed.len() as f64;
     let edges = probed.iter().flat_map(|k| thinned(&parts[*k].edges, share));
     LightSamples {
         edges: edges.map(|e| EdgePoint { length_px: e.length_px * scale, ..e }).collect(),
-        covered: parts.iter().flat_map(|p| p.cover.iter().copied()).collect(),
         ..LightSamples::default()
     }
 }
 
-/// What an interval is fitted to in full.
+/// The edges that an interval is fitted to in full.
 pub fn interval_samples(parts: &[&LightPart]) -> LightSamples {
     samples(parts, &probes(parts.len(), parts.len()), FITTED[1])
 }

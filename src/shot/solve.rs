@@ -5,13 +5,14 @@
 
 use super::interval::{Asked, Interval, Look, fit_interval};
 use super::light_pose::light_poses;
-use super::part::LightPart;
+use super::part::{LightPart, extremes_for_light};
 use super::partition::{Ends, cheapest, lowest_peak};
 use super::{Hold, Minimise, TemporalParams};
 use crate::math::RigidMotion;
 use crate::methods::Inapplicable;
 use crate::samples::EdgePoint;
 use crate::scene::Light;
+use glam::DVec3;
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -109,9 +110,17 @@ pub fn segments(
     let blocks = borders.len() - 1;
     let pairs: Vec<(usize, usize)> =
         (0..blocks).flat_map(|first| (first + 1..=blocks).map(move |end| (first, end))).collect();
+    let hull = |frames: Range<usize>| {
+        let points: Vec<DVec3> = light.parts[frames].iter().flat_map(|p| p.cover.iter().copied()).collect();
+        extremes_for_light(&light.light, &points)
+    };
+    let hulls: Vec<Vec<DVec3>> = borders.windows(2).map(|w| hull(w[0]..w[1])).collect();
     let looked: Vec<Valued> = pairs
         .par_iter()
-        .map(|(first, end)| valued(asked, light, params, correction, borders[*first]..borders[*end]))
+        .map(|(first, end)| {
+            let cover = hulls[*first..*end].concat();
+            valued(asked, light, params, correction, borders[*first]..borders[*end], cover)
+        })
         .collect();
     let at = |first: usize, end: usize| looked[first * blocks - first * first.saturating_sub(1) / 2 + end - first - 1];
     let (_, ends) = cut(blocks, most, params.minimise, &at).ok_or_else(|| refusal(asked, light))?;
@@ -120,6 +129,7 @@ pub fn segments(
     let mut cost = 0.0;
     for end in ends {
         let frames = borders[first]..borders[end];
+        let cover = hulls[first..end].concat();
         cost += at(first, end).cost;
         first = end;
         let needing = light.needing(frames.clone());
@@ -127,7 +137,7 @@ pub fn segments(
             continue;
         }
         let parts: Vec<&LightPart> = needing.iter().map(|f| &light.parts[*f]).collect();
-        let interval = fit_interval(asked, &light.light, &parts, Look::Full)?;
+        let interval = fit_interval(asked, &light.light, &parts, cover, Look::Full)?;
         segments.push(Segment { frames, needing, interval });
     }
     Ok(Segmentation { segments, cost })
@@ -135,7 +145,10 @@ pub fn segments(
 
 /// The reason why the first single frame that has no matrix has none.
 fn refusal(asked: &Asked, light: &LightParts) -> Inapplicable {
-    let alone = |f: &usize| fit_interval(asked, &light.light, &[&light.parts[*f]], Look::Quick).err();
+    let alone = |f: &usize| {
+        let part = &light.parts[*f];
+        fit_interval(asked, &light.light, &[part], part.cover.clone(), Look::Quick).err()
+    };
     light.needing(0..light.parts.len()).iter().find_map(alone).unwrap_or(Inapplicable::NoFiniteFit)
 }
 
@@ -148,11 +161,18 @@ struct Valued {
     cost: f64,
 }
 
-fn valued(asked: &Asked, light: &LightParts, params: &TemporalParams, correction: f64, frames: Range<usize>) -> Valued {
+fn valued(
+    asked: &Asked,
+    light: &LightParts,
+    params: &TemporalParams,
+    correction: f64,
+    frames: Range<usize>,
+    cover: Vec<DVec3>,
+) -> Valued {
     let needing = light.needing(frames.clone());
     let (Some(first), Some(last)) = (needing.first(), needing.last()) else { return Valued { texels: 0.0, cost: 0.0 } };
     let parts: Vec<&LightPart> = needing.iter().map(|f| &light.parts[*f]).collect();
-    let Ok(interval) = fit_interval(asked, &light.light, &parts, Look::Quick) else {
+    let Ok(interval) = fit_interval(asked, &light.light, &parts, cover, Look::Quick) else {
         return Valued { texels: f64::INFINITY, cost: f64::INFINITY };
     };
     let texels = interval.texels * correction;
@@ -161,7 +181,7 @@ fn valued(asked: &Asked, light: &LightParts, params: &TemporalParams, correction
     let [at_first, at_last] = interval.wrong_at_ends;
     let begins = light.parts[..*first].iter().any(|p| p.needed > 0);
     let ends = light.parts[last + 1..].iter().any(|p| p.needed > 0);
-    let popping = if begins { at_first } else { 0.0 } + if ends { at_last } else { 0.0 };
+    let popping = at_first * f64::from(u8::from(begins)) + at_last * f64::from(u8::from(ends));
     let times = match params.minimise {
         Minimise::Drawn => light.draws(&needing),
         Minimise::Sum => needing.len(),
