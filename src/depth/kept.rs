@@ -69,7 +69,7 @@ fn extremes(points: &[DVec4], p4: DVec3) -> Vec<DVec4> {
 fn direction(k: usize) -> DVec4 {
     if k < 8 {
         let mut axis = DVec4::ZERO;
-        axis[k / 2] = if k % 2 == 0 { 1.0 } else { -1.0 };
+        axis[k / 2] = if k.is_multiple_of(2) { 1.0 } else { -1.0 };
         return axis;
     }
     // Roberts 2018: powers of the root of x^5 = x + 1 spread best in four dimensions.

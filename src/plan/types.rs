@@ -132,7 +132,7 @@ impl Summary {
                 });
             }
         }
-        let drawn = |l: &LightPlan| !l.temporal.as_ref().is_some_and(|t| t.reused_from.is_some());
+        let drawn = |l: &LightPlan| l.temporal.as_ref().is_none_or(|t| t.reused_from.is_none());
         let texels_of = |f: &FramePlan| f.lights.iter().flat_map(|l| &l.maps).map(MapPlan::texels).sum::<u64>();
         let flicker = || lights().filter_map(|(_, l)| l.flicker);
         let measured = flicker().next().is_some();

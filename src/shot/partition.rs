@@ -20,8 +20,8 @@ pub fn cheapest(count: usize, most: usize, cost: impl Fn(usize, usize) -> f64) -
         let mut next = best.clone();
         let mut starts: Vec<usize> = (0..=count).collect();
         for end in 1..=count {
-            for first in 0..end {
-                let value = best[first] + cost(first, end);
+            for (first, before) in best.iter().enumerate().take(end) {
+                let value = before + cost(first, end);
                 if value < next[end] {
                     (next[end], starts[end]) = (value, first);
                 }

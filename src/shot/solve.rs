@@ -123,7 +123,7 @@ pub fn segments(
         })
         .collect();
     let at = |first: usize, end: usize| looked[first * blocks - first * first.saturating_sub(1) / 2 + end - first - 1];
-    let (_, ends) = cut(blocks, most, params.minimise, &at).ok_or_else(|| refusal(asked, light))?;
+    let (_, ends) = cut(blocks, most, params.minimise, at).ok_or_else(|| refusal(asked, light))?;
     let mut segments = Vec::with_capacity(ends.len());
     let mut first = 0;
     let mut cost = 0.0;
