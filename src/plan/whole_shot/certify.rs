@@ -55,17 +55,24 @@ pub(super) fn one_size(
     timings: bool,
     watch: &Watch,
 ) -> Result<(), PlanError> {
-    // Segments are fitted for one aspect (see `whole_light`), so that places on their grids are the same sizes.
-    let largest = held.iter().map(|h| h.size).max().unwrap_or(0);
-    let decided_by = held.iter().find(|h| h.size == largest).and_then(|h| h.decided_by);
-    for segment in held {
-        segment.size = largest;
-        // What is settled already does not become unsettled: only the size changed.
-        if let Ok(()) = sized(stages, light, segment, timings, watch)? {
-            segment.decided_by = decided_by;
+    // Segments are fitted for one aspect (see `whole_light`), so that places on their grids are the same sizes; with several
+    // maps a light, the same texels in all.
+    loop {
+        let largest = held.iter().map(|h| h.size).max().unwrap_or(0);
+        let decided_by = held.iter().find(|h| h.size == largest).and_then(|h| h.decided_by);
+        let mut grown = false;
+        for segment in held.iter_mut() {
+            let place = largest.min(segment.grid.len().saturating_sub(1));
+            segment.size = place;
+            // What is settled already does not become unsettled: only the size changes.
+            drop(sized(stages, light, segment, timings, watch)?);
+            grown |= segment.size != place;
+        }
+        if !grown {
+            held.iter_mut().for_each(|segment| segment.decided_by = decided_by);
+            return Ok(());
         }
     }
-    Ok(())
 }
 
 /// Better matrices near a segment's, by measurement on the frame that decides it. A light that moves stays with its own.
