@@ -29,4 +29,5 @@ pub mod raster;
 pub mod resolution;
 pub mod samples;
 pub mod scene;
+pub mod shot;
 pub mod visibility;

@@ -21,7 +21,8 @@ fn watched<T>(work: impl FnOnce(&Watch) -> T) -> T {
 
 /// Two frames of the courtyard, small; the spot is out of the second.
 fn plan_courtyard(overrides: &str) -> Plan {
-    let base = "[frames]\nrange = '30,80'\n[image]\nsize = [160, 90]\n[map]\nmax = 1024\nstep = 1.2\n[quality]\nepsilon = 0.03\n";
+    // Frames apart: what holds a shot together has tests of its own.
+    let base = "shot.temporal = 'per-frame'\n[frames]\nrange = '30,80'\n[image]\nsize = [160, 90]\n[map]\nmax = 1024\nstep = 1.2\n[quality]\nepsilon = 0.03\n";
     let job = job::load(&folder().join("courtyard.toml"), &(base.to_owned() + overrides).parse().unwrap()).unwrap();
     watched(|watch| plan::make(&job, folder(), false, watch)).unwrap()
 }
@@ -184,7 +185,7 @@ fn changed_frames_and_inputs_are_found() {
 
 /// Methods that give a light several maps: their domains go to the file and back, and the counts hold.
 #[test]
-fn plans_of_several_maps_hold() {
+fn domains_survive_the_file() {
     for (method, kind) in [("separating-plane", "half-space"), ("cascades", "view-depth"), ("faces", "intersection")] {
         let plan = plan_courtyard(&format!("[solver]\nmethod = '{method}'\n"));
         let text = plan::to_text(&plan, Format::Toml).unwrap();

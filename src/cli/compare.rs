@@ -6,12 +6,16 @@ use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
 use lixel::compare::{
-    BiasChoice, CompareParams, Question, Variant, all_methods, csv, json, random_hemisphere, scatter, summarise, table,
-    write_file,
+    BiasChoice, CompareParams, Question, Variant, all_methods, compare_temporal, csv, json, random_hemisphere, scatter,
+    summarise, table, temporal_json, temporal_table, write_file,
 };
+use lixel::job::{Job, JobError, check};
 use lixel::methods::SolverParams;
 use lixel::plan::{Dest, PlanError, Watch};
 use lixel::raster::SIZE_MAX;
+use lixel::shot::{Temporal, TemporalParams};
+use serde::Deserialize;
+use serde::de::value::StrDeserializer;
 
 use super::exit::{Failure, MET};
 use super::flags::JobFlags;
@@ -30,6 +34,7 @@ Examples:
   lixel compare scene.glb --frames 1 --size 750x750 --lights random-hemisphere:500:1 --methods lixel,scene-optimal
   lixel compare shot.toml --methods lixel,cascades:log:warped:4,cascades:samples,separating-plane:psm:1
   lixel compare shot.toml --epsilon 0.001 --csv texels.csv
+  lixel compare shot.toml --temporal per-frame,shot --json temporal.json
 
 Exit codes: 0 done, 1 failure, 2 bad input, 130/143 stopped.")]
 pub(super) struct CompareArgs {
@@ -43,16 +48,16 @@ pub(super) struct CompareArgs {
     #[arg(long, value_delimiter = ',', value_parser = variant, conflicts_with = "method", value_name = "A,B,…")]
     methods: Vec<String>,
     /// Texels of each light, all its maps together [default: 160000]
-    #[arg(long, value_name = "N", conflicts_with_all = ["resolution", "epsilon"], value_parser = clap::value_parser!(u32).range(1..=1 << 28))]
+    #[arg(long, value_name = "N", conflicts_with_all = ["resolution", "epsilon", "temporal"], value_parser = clap::value_parser!(u32).range(1..=1 << 28))]
     texels: Option<u32>,
     /// Width and height of each light's map, instead of texels
-    #[arg(long, value_name = "WxH", value_parser = resolution, conflicts_with = "epsilon")]
+    #[arg(long, value_name = "WxH", value_parser = resolution, conflicts_with_all = ["epsilon", "temporal"])]
     resolution: Option<[u32; 2]>,
     /// Distant lights spread evenly over the sky instead of the scene's: random-hemisphere:N:SEED
     ///
     /// A light depends on the seed and its own number alone: random-hemisphere:200-299:SEED are the lights 200 to 299 of a
     /// longer run.
-    #[arg(long, value_name = "LIGHTS", value_parser = hemisphere)]
+    #[arg(long, value_name = "LIGHTS", value_parser = hemisphere, conflicts_with = "temporal")]
     lights: Option<Hemisphere>,
     /// The depth bias of each map
     #[arg(long, value_enum, default_value_t = BiasName::Plan)]
@@ -124,6 +129,9 @@ fn hemisphere(text: &str) -> Result<Hemisphere, String> {
 }
 
 pub(super) fn run(args: &CompareArgs, quiet: bool, signals: &Signals) -> Result<ExitCode, Failure> {
+    if !args.job.temporal.is_empty() {
+        return temporal(args, quiet, signals);
+    }
     let overrides = args.job.overrides();
     let mut job = lixel::job::load(&args.input, &overrides).map_err(|e| Failure::job(e, &args.job))?;
     if let Some(hemisphere) = &args.lights {
@@ -175,6 +183,37 @@ pub(super) fn run(args: &CompareArgs, quiet: bool, signals: &Signals) -> Result<
 /// A method by name, with settings; read again over the job's own.
 fn variant(text: &str) -> Result<String, String> {
     Variant::parse(text, &SolverParams::default()).map(|variant| variant.name)
+}
+
+/// The shot planned by each temporal mode.
+fn temporal(args: &CompareArgs, quiet: bool, signals: &Signals) -> Result<ExitCode, Failure> {
+    let job = lixel::job::load(&args.input, &args.job.overrides()).map_err(|e| Failure::job(e, &args.job))?;
+    let mut modes: Vec<Temporal> = Vec::new();
+    for name in &args.job.temporal {
+        let parsed: Result<Temporal, serde::de::value::Error> = Temporal::deserialize(StrDeserializer::new(name));
+        let Ok(mode) = parsed else { continue };
+        let shot = TemporalParams { temporal: mode, ..job.job.shot.clone() };
+        let of_mode = Job { shot, ..job.job.clone() };
+        check(&of_mode).map_err(|problem| Failure::job(JobError::Override(problem), &args.job))?;
+        if !modes.contains(&mode) {
+            modes.push(mode);
+        }
+    }
+    if let Some(file) = &args.json {
+        Dest::File(file.clone()).check()?;
+    }
+    let rows = {
+        let bar = Bar::new(quiet);
+        let watch =
+            Watch { progress: &|p| bar.show(p), cancel: signals.cancel(), notes: &|text| report::remark(quiet, text) };
+        compare_temporal(&job, &modes, &watch)?
+    };
+    if let Some(file) = &args.json {
+        write_file(file, temporal_json(&rows)?.as_bytes())?;
+    }
+    let mut out = std::io::stdout().lock();
+    out.write_all(temporal_table(&rows).as_bytes()).and_then(|()| out.flush()).map_err(Failure::Stdout)?;
+    Ok(ExitCode::from(MET))
 }
 
 /// Methods by name, each once; all when none is named.

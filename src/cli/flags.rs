@@ -4,8 +4,10 @@ use clap::Args;
 use lixel::job::Preset;
 use lixel::methods::Method;
 use lixel::resolution::{Bound, Measure};
+use lixel::shot::Temporal;
 use toml::{Table, Value};
 
+use super::exit::Failure;
 use super::values::{integer, size, values};
 
 /// Flags over a job file, or over the defaults of a scene file.
@@ -36,6 +38,9 @@ pub(super) struct JobFlags {
     /// Whether sizes are measured
     #[arg(long, value_parser = values::<Measure>())]
     measure: Option<String>,
+    /// How the maps of neighbouring frames hang together; `compare` takes several, with commas
+    #[arg(long, value_parser = values::<Temporal>(), value_delimiter = ',', value_name = "MODE")]
+    pub(super) temporal: Vec<String>,
     /// The settings below the job's own
     #[arg(long, value_parser = values::<Preset>())]
     preset: Option<String>,
@@ -43,7 +48,11 @@ pub(super) struct JobFlags {
 
 impl JobFlags {
     /// Every flag: its name, its key, and its value if it was given.
-    fn entries(&self) -> [(&'static str, &'static str, Option<Value>); 9] {
+    fn entries(&self) -> [(&'static str, &'static str, Option<Value>); 10] {
+        let one = |values: &[String]| match values {
+            [value] => Some(Value::String(value.clone())),
+            _ => None,
+        };
         let text = |value: &Option<String>| value.clone().map(Value::String);
         [
             ("--frames", "frames.range", text(&self.frames)),
@@ -54,6 +63,7 @@ impl JobFlags {
             ("--method", "solver.method", text(&self.method)),
             ("--max-resolution", "map.max", self.max_resolution.map(integer)),
             ("--measure", "quality.measure", text(&self.measure)),
+            ("--temporal", "shot.temporal", one(&self.temporal)),
             ("--preset", "preset", text(&self.preset)),
         ]
     }
@@ -76,6 +86,16 @@ impl JobFlags {
             }
         }
         table
+    }
+
+    /// Refuses several temporal modes, for commands that plan once.
+    pub(super) fn one_temporal(&self) -> Result<(), Failure> {
+        match self.temporal.len() {
+            0 | 1 => Ok(()),
+            n => Err(Failure::Setup(format!(
+                "--temporal names {n} modes; give one, or compare them with `lixel compare`"
+            ))),
+        }
     }
 
     /// The flags that were given, with their keys.

@@ -41,6 +41,7 @@ pub(super) struct PlanArgs {
 }
 
 pub(super) fn run(args: &PlanArgs, quiet: bool, signals: &Signals) -> Result<ExitCode, Failure> {
+    args.job.one_temporal()?;
     let job = lixel::job::load(&args.input, &args.job.overrides()).map_err(|e| Failure::job(e, &args.job))?;
     let dest = if args.output == Path::new("-") { Dest::Stdout } else { Dest::File(args.output.clone()) };
     dest.check()?;
@@ -82,6 +83,10 @@ fn summary(plan: &Plan) -> String {
     let mut text = format!("{} frames, {} maps, {} texels, {largest}", s.frames, s.maps, s.texels);
     let lights = || plan.frames.iter().flat_map(|f| f.lights.iter().map(move |l| (f.frame, l)));
     let failed: Vec<_> = lights().filter(|(_, l)| !l.met()).collect();
+    if s.frames > 1 {
+        text += &format!(", {} drawn, {} changes", s.texels_drawn, s.changes);
+        text += &s.flicker.map(|f| format!(", {f} pixels flicker")).unwrap_or_default();
+    }
     text += &match failed.len() {
         0 => ": every light meets its bound".to_owned(),
         n => format!(": {n} of {} lights do not meet their bound", lights().count()),

@@ -23,6 +23,8 @@ impl Bar {
     pub(super) fn show(&self, progress: Progress) {
         self.bar.set_message(match progress.stage {
             Stage::Load => "loading",
+            Stage::Samples => "frames",
+            Stage::Flicker => "flicker",
             Stage::Lights => "lights",
         });
         self.bar.set_length(progress.total);

@@ -44,6 +44,7 @@ pub(super) struct RenderArgs {
 }
 
 pub(super) fn run(args: &RenderArgs, quiet: bool, signals: &Signals) -> Result<ExitCode, Failure> {
+    args.job.one_temporal()?;
     let job = lixel::job::load(&args.input, &args.job.overrides()).map_err(|e| Failure::job(e, &args.job))?;
     let files = {
         let bar = Bar::new(quiet);

@@ -56,16 +56,16 @@ fn json(found: &Verification) -> Result<String, Failure> {
 /// One row a light, then what does not hold.
 fn table(found: &Verification) -> String {
     let mut text = String::new();
-    let mut row = |cells: [&str; 9]| {
-        let [frame, light, maps, size, planned, measured, uncertain, epsilon, verdict] = cells;
+    let mut row = |cells: [&str; 10]| {
+        let [frame, light, maps, size, planned, measured, uncertain, flicker, epsilon, verdict] = cells;
         // Writing to a String does not fail.
         let _ = writeln!(
             text,
-            "{frame:>6}  {light:<20} {maps:>4} {size:>11} {planned:>8} {measured:>8} {uncertain:>9} {epsilon:>8}  {verdict}"
+            "{frame:>6}  {light:<20} {maps:>4} {size:>11} {planned:>8} {measured:>8} {uncertain:>9} {flicker:>7} {epsilon:>8}  {verdict}"
         );
     };
     if !found.lights.is_empty() {
-        row(["frame", "light", "maps", "size", "planned", "measured", "uncertain", "epsilon", "verdict"]);
+        row(["frame", "light", "maps", "size", "planned", "measured", "uncertain", "flicker", "epsilon", "verdict"]);
     }
     for light in &found.lights {
         row([
@@ -77,6 +77,7 @@ fn table(found: &Verification) -> String {
             &light.planned.map_or("-".to_owned(), |n| n.to_string()),
             &light.measured.to_string(),
             &light.uncertain.to_string(),
+            &light.flicker.map_or("-".to_owned(), |n| n.to_string()),
             &light.epsilon.to_string(),
             match light.outcome {
                 Outcome::Holds => "holds",

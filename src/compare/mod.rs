@@ -6,6 +6,8 @@
 //! pixel it was not told of. Then each method solves for the same number of texels, its maps are drawn and every pixel
 //! is looked up. With [`Question::Epsilon`] the texels are searched instead, for the same quality.
 //!
+//! [`compare_temporal`] sets the ways in which maps hang together over a shot side by side, each planned whole.
+//!
 //! Lights are independent of each other and shared out to threads; no number but the times depends on how.
 
 mod budget;
@@ -22,6 +24,7 @@ mod scatter;
 mod statistics;
 mod summary;
 mod table;
+mod temporal;
 mod types;
 mod variant;
 mod workers;
@@ -33,5 +36,6 @@ pub use run::compare;
 pub use scatter::scatter;
 pub use summary::{Correlation, MethodSummary, Ratio, Summary, Worst, summarise};
 pub use table::table;
+pub use temporal::{TemporalLight, TemporalRow, compare_temporal, temporal_json, temporal_table};
 pub use types::{CaseLight, Comparison, Measured, MethodRows, PerLight, TexelsFor};
 pub use variant::Variant;

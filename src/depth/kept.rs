@@ -15,7 +15,8 @@ use glam::{DMat3, DVec3, DVec4};
 /// directional ones; each with w = p4·q > 0.
 #[derive(Clone, Debug)]
 pub struct Kept<'a> {
-    tracer: &'a Tracer<'a>,
+    /// Absent when the points are all listed in `few`.
+    tracer: Option<&'a Tracer<'a>>,
     pub(super) space: LightSpace,
     pub(super) p4: DVec3,
     /// Half-spaces on v inside which a point is kept.
@@ -58,13 +59,27 @@ impl<'a> Kept<'a> {
             (p4 * grown - p2).extend(0.0),
             p4.extend(if space.directional { 0.0 } else { -W_MIN * w_most }),
         ];
-        let mut kept =
-            Kept { tracer, space: *space, p4, planes, scene_planes: planes, few: Vec::new(), empty: w_most <= 0.0 };
+        let mut kept = Kept {
+            tracer: Some(tracer),
+            space: *space,
+            p4,
+            planes,
+            scene_planes: planes,
+            few: Vec::new(),
+            empty: w_most <= 0.0,
+        };
         if !kept.empty {
             kept.scene_planes = planes.map(|plane| kept.scene_row(plane));
             kept.few = few.iter().map(|p| kept.vector(*p)).filter(|v| kept.w(*v) > 0.0).collect();
         }
         kept
+    }
+
+    /// What lies in the hull of points v/w, such as the [`Kept::extremes`] of several frames.
+    pub fn of_points(space: &LightSpace, h: &DMat3, points: Vec<DVec4>) -> Kept<'a> {
+        let planes = [DVec4::ZERO; 6];
+        let empty = points.is_empty();
+        Kept { tracer: None, space: *space, p4: h.row(2), planes, scene_planes: planes, few: points, empty }
     }
 
     /// True when nothing visible looks the map up.
@@ -90,13 +105,22 @@ impl<'a> Kept<'a> {
     pub(super) fn largest(&self, alpha: DVec4, beta: DVec4, least: f64, slack: f64) -> Option<(f64, DVec4)> {
         let mut best: Option<(f64, DVec4)> = None;
         let mut bar = least;
+        let Some(tracer) = self.tracer else {
+            for v in &self.few {
+                let value = alpha.dot(*v) / beta.dot(*v);
+                if value > bar {
+                    (bar, best) = (value, Some((value, *v)));
+                }
+            }
+            return best;
+        };
         let (top, bottom) = (self.scene_row(alpha), self.scene_row(beta));
         let mut row = if bar.is_finite() { top - bottom * (bar + slack) } else { DVec4::ZERO };
         let mut polygon = Polygon::default();
-        let geometry = self.tracer.geometry();
-        self.tracer.walk(|part| match part {
+        let geometry = tracer.geometry();
+        tracer.walk(|part| match part {
             Part::Box(corners) => {
-                !(bar.is_finite() && most(row, corners) <= 0.0)
+                (!bar.is_finite() || most(row, corners) > 0.0)
                     && !self.scene_planes.iter().any(|plane| most(*plane, corners) < 0.0)
             }
             Part::Triangle(index) => {

@@ -12,6 +12,7 @@
 //! looks the map up. Both are one linear program in four unknowns on homogeneous vectors (q, e), e = 1 or d.
 
 mod bias;
+mod extremes;
 mod kept;
 mod row;
 mod visible;

@@ -72,7 +72,8 @@ pub fn check(job: &Job) -> Result<(), Problem> {
     settings::quality(&job.quality)?;
     settings::map(&job.map)?;
     settings::sampling(&job.sampling)?;
-    settings::solver(&job.solver)
+    settings::solver(&job.solver)?;
+    settings::shot(&job.shot, &job.map)
 }
 
 /// Checks `[solver]` alone.

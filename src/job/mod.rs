@@ -23,6 +23,7 @@ use crate::methods::SolverParams;
 use crate::resolution::{MapParams, QualityParams};
 use crate::samples::SamplingParams;
 use crate::scene::{CameraParams, FramesParams, ImageParams, LightParams, SceneFile, VisibilityParams};
+use crate::shot::TemporalParams;
 
 pub use check::{Problem, check, check_solver};
 pub use error::{JobError, Located};
@@ -60,6 +61,8 @@ pub struct Job {
     pub sampling: SamplingParams,
     /// How matrices are found.
     pub solver: SolverParams,
+    /// How the maps of neighbouring frames hang together.
+    pub shot: TemporalParams,
 }
 
 /// The ways of writing `scene`, for the schema only.

@@ -4,6 +4,7 @@
 //! multiply-add. Whoever evaluates them so gets the same answer for every point, also on a border; whoever does not
 //! (a shader in f32) differs only within rounding of one, where methods let neighbouring maps overlap.
 
+use super::RigidMotion;
 use glam::{DVec2, DVec3, DVec4};
 
 /// Which points look a map up.
@@ -60,6 +61,24 @@ pub enum Domain {
 }
 
 impl Domain {
+    /// The points that `motion` takes into this domain; `None` for a domain that cannot be moved.
+    pub fn carried(&self, motion: &RigidMotion) -> Option<Domain> {
+        match *self {
+            Domain::All => Some(Domain::All),
+            Domain::CubeFace { position, axes, axis, positive } => Some(Domain::CubeFace {
+                position: motion.inverse_point(position),
+                axes: axes.map(|a| motion.inverse_vector(a)),
+                axis,
+                positive,
+            }),
+            Domain::HalfSpace { .. }
+            | Domain::ViewDepth { .. }
+            | Domain::LightPlaneRectangle { .. }
+            | Domain::LightPlanePolygon { .. }
+            | Domain::Intersection { .. } => None,
+        }
+    }
+
     /// Whether a scene point lies in the domain. On ties of a cube face the lower axis wins.
     pub fn holds(&self, point: DVec3) -> bool {
         match self {

@@ -9,6 +9,7 @@
 //! when the light is 10¹² scene sizes away. With r3 towards C, a point light far away and a directional light give the
 //! same plane up to the scale of q.
 
+use super::RigidMotion;
 use crate::scene::{Light, LightKind};
 use glam::{DMat3, DMat4, DVec3, DVec4};
 
@@ -73,6 +74,12 @@ impl LightSpace {
             offset: DVec3::new(axes[0].dot(v), axes[1].dot(v), axes[2].dot(v)),
             directional: false,
         }
+    }
+
+    /// The plane in which X has the q that `motion` X has in this one.
+    pub fn carried(&self, motion: &RigidMotion) -> LightSpace {
+        let axes = self.axes.map(|a| motion.inverse_vector(a));
+        LightSpace { axes, center: motion.inverse_point(self.center), ..*self }
     }
 
     /// The homogeneous vector of a scene point. `q.z > 0` in front of the light.

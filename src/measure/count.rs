@@ -161,6 +161,11 @@ fn answers(receivers: &Receivers, maps: &[Drawn], range: Range<usize>, mut answe
     }
 }
 
+/// Whether a scene point is taken for shadowed.
+pub fn answers_shadowed(maps: &[Drawn], point: DVec3, outside: Outside) -> bool {
+    answer_of(look_up(maps, point), outside)
+}
+
 /// Whether a looked-up point is taken for shadowed.
 fn answer_of(looked: Looked, outside: Outside) -> bool {
     match looked {

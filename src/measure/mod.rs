@@ -5,11 +5,13 @@ mod batch;
 mod certainty;
 mod count;
 mod edge_distance;
+mod flicker;
 mod footprint;
 mod receivers;
 
 pub use certainty::{Certainty, EDGE_ON_DEGREES, UNCERTAIN_SLACK, Verdict};
-pub use count::{Counts, Drawn, Looked, Outside, count, fewer_wrong, look_up, wrong};
+pub use count::{Counts, Drawn, Looked, Outside, answers_shadowed, count, fewer_wrong, look_up, wrong};
 pub use edge_distance::edge_distance;
+pub use flicker::{Earlier, Flickering, LightThenNow, Moment, flicker, reproject};
 pub use footprint::footprint;
 pub use receivers::Receivers;

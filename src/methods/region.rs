@@ -2,10 +2,10 @@
 
 use super::plane::{Plane, edge_samples};
 use crate::fit::Termination;
-use crate::math::{Domain, LightSpace};
+use crate::math::{Domain, LightSpace, RigidMotion};
 use crate::metric::{Metric, TexelRows, cost, inverse_jacobian_norm2};
 use crate::samples::EdgePoint;
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec2, DVec3};
 use std::sync::Arc;
 
 /// How a method came to its matrix.
@@ -75,6 +75,51 @@ impl Region {
     pub(super) fn moved(&self, rows: [DVec3; 3], aspect: f64) -> Region {
         let h = homography(&self.plane, &rows);
         Region { h, rows, aspect, ..self.clone() }
+    }
+
+    /// The box of points in the map, in units of the map; `None` when one lies behind its vanishing line, or there is none.
+    pub fn extent(&self, points: &[DVec3]) -> Option<[DVec2; 2]> {
+        let mut found: Option<[DVec2; 2]> = None;
+        for point in points {
+            let p = self.h * self.space.q(*point);
+            if p.z <= 0.0 {
+                return None;
+            }
+            let at = p.truncate() / p.z;
+            let [low, high] = found.unwrap_or([at, at]);
+            found = Some([low.min(at), high.max(at)]);
+        }
+        found
+    }
+
+    /// The map of a box within this one, in units of the map.
+    pub fn window(&self, low: DVec2, size: DVec2) -> Region {
+        let [p1, p2, p4] = self.rows;
+        self.moved([(p1 - p4 * low.x) / size.x, (p2 - p4 * low.y) / size.y, p4], self.aspect * size.x / size.y)
+    }
+
+    /// Scaled and shifted along its own axes to hold points, with `border` of the map's sides left free on each side. `None`
+    /// when it cannot hold them.
+    pub fn rescaled(&self, points: &[DVec3], border: f64) -> Option<Region> {
+        let [low, high] = self.extent(points)?;
+        let size = (high - low) / (1.0 - 2.0 * border);
+        (size.min_element() > 0.0).then(|| self.window(low - size * border, size))
+    }
+
+    /// The same region, its predictions over other edges of the same light: those of another frame.
+    pub fn over(&self, edges: &[EdgePoint], cap: usize) -> Region {
+        let plane = &self.plane;
+        let (samples, grazing) = edge_samples(edges, cap, &plane.space, &plane.normalisation);
+        let (hull, normalisation) = (plane.hull.clone(), plane.normalisation);
+        let plane = Plane { space: plane.space, hull, normalisation, samples, grazing };
+        Region { plane: Arc::new(plane), ..self.clone() }
+    }
+
+    /// The region of a light that was carried to another place, as seen from where it stands now: it answers for X as this
+    /// one does for `here_from_there` X. `None` for a domain that does not move with its light.
+    pub fn carried(&self, here_from_there: &RigidMotion) -> Option<Region> {
+        let domain = self.domain.carried(here_from_there)?;
+        Some(Region { domain, space: self.space.carried(here_from_there), ..self.clone() })
     }
 
     /// Whether the map is a camera's: always for point and spot lights; for directional ones when p4 is constant, that is

@@ -1,56 +1,39 @@
 //! One light of one frame: from rays to an entry of the plan.
 
 use super::map_entry::{Chosen, Seen, map_entry};
-use super::{LightError, LightPlan, Measured, PlanError, Predicted, SolverReport, Status, Tried};
+use super::stage::{FrameStage, Lit, measures};
+use super::{LightError, LightPlan, MapPlan, Measured, PlanError, Predicted, SolverReport, Status, Tried};
 use crate::job::Job;
-use crate::math::{Bounds, first_holding};
+use crate::math::first_holding;
 use crate::measure::{EDGE_ON_DEGREES, Outside, Receivers};
 use crate::resolution::{
-    Bound, Certified, FilmQuestion, FittedLight, Judge, JudgedMap, Measure, certify, fit_light, polish, predict_only,
+    Bound, Certified, FilmQuestion, FittedLight, Judge, JudgedMap, certify, fit_light, polish, predict_only,
 };
-use crate::samples::{GridView, LightSamples, LightView, sample_light};
-use crate::scene::{Camera, Film, Light};
-use crate::visibility::{Answer, RayOffset, Tracer, View, classify};
+use crate::samples::LightSamples;
+use crate::scene::{Film, Light};
+use crate::visibility::Answer;
 use std::time::Instant;
-
-/// What a frame gives to each of its lights.
-pub(super) struct FrameStage<'a> {
-    pub(super) tracer: &'a Tracer<'a>,
-    pub(super) camera: &'a Camera,
-    pub(super) film: Film,
-    pub(super) grid: &'a GridView<'a>,
-    /// Absent when nothing is measured.
-    pub(super) view: Option<&'a View>,
-    pub(super) bounds: Bounds,
-    pub(super) offset: RayOffset,
-    /// Rays spent on the frame itself, shared out.
-    pub(super) rays_share: u64,
-}
 
 /// Most visible points kept for bias, witnesses and round trips.
 const SEEN_MAX: usize = 4096;
 
-/// Plans one light. `timings` adds wall time.
-pub(super) fn light_entry(stage: &FrameStage, light: &Light, job: &Job, timings: bool) -> Result<LightPlan, PlanError> {
+/// What may replace the regions that were fitted for a frame.
+pub(super) type Choose<'a> = dyn FnMut(FittedLight, &LightSamples) -> FittedLight + 'a;
+
+/// Plans one light. `timings` adds wall time; `choose` has the last word on the regions before sizes are measured.
+pub(super) fn light_entry(
+    stage: &FrameStage,
+    light: &Light,
+    job: &Job,
+    timings: bool,
+    choose: Option<&mut Choose>,
+) -> Result<LightPlan, PlanError> {
     let start = Instant::now();
     let mut entry = LightPlan::unplanned(light, job.quality.epsilon());
-    let cover_lit = job.map.outside == Outside::Shadowed;
-    let (tracer, camera, view, offset) = (stage.tracer, stage.camera, stage.grid, stage.offset);
-    let classified = stage.view.map(|film| classify(tracer, film, camera, light, offset));
-    let film = stage.view.zip(classified.as_ref()).map(|(film, answers)| Receivers::new(film, camera, answers));
-    let (answers, rays) = match classified {
-        Some(answers) if view.grid.is_film() => (answers, 0),
-        _ => {
-            let answers = view.answers(tracer, camera, light, offset);
-            let rays = answers.iter().filter(|a| **a != Answer::Unlit).count() as u64;
-            (answers, rays)
-        }
-    };
-    let lit = LightView { tracer, camera, view, light, offset, answers: &answers };
-    let samples = sample_light(&lit, job.sampling.refine, cover_lit);
-    entry.cost.samples = samples.edges.len() as u64;
-    entry.cost.rays = stage.rays_share + rays + samples.rays + film.as_ref().map_or(0, |f| f.len() as u64);
-    settle(stage, light, job, &samples, (film.as_ref(), &answers), &mut entry)?;
+    let lit = stage.look(light, job);
+    entry.cost.samples = lit.samples.edges.len() as u64;
+    entry.cost.rays = stage.rays_share + lit.rays;
+    settle(stage, light, job, &lit, &mut entry, choose)?;
     if timings {
         entry.cost.milliseconds = Some(start.elapsed().as_secs_f64() * 1e3);
     }
@@ -62,23 +45,18 @@ fn settle(
     stage: &FrameStage,
     light: &Light,
     job: &Job,
-    samples: &LightSamples,
-    (film, answers): (Option<&Receivers>, &[Answer]),
+    lit: &Lit,
     entry: &mut LightPlan,
+    choose: Option<&mut Choose>,
 ) -> Result<(), PlanError> {
+    let (samples, film, answers) = (&lit.samples, lit.film.as_ref(), &lit.answers);
     let (facing, shadowed) = match film {
         Some(film) => (film.len() as u64, film.shadowed_count()),
         None => (samples.facing, samples.shadowed),
     };
     let needed = if job.map.outside == Outside::Lit { shadowed } else { facing - shadowed };
-    if facing == 0 || needed == 0 {
-        let at = if film.is_some() { "no pixel" } else { "no position of the planning grid" };
-        (entry.status, entry.reason) = if facing == 0 {
-            (Status::Unlit, Some(format!("{at} faces the light within its reach")))
-        } else {
-            let differs = if job.map.outside == Outside::Lit { "in shadow" } else { "lit" };
-            (Status::NoVisibleShadow, Some(format!("{at} that faces the light is {differs}")))
-        };
+    if needed == 0 {
+        no_map_needed(entry, facing, job);
         return Ok(());
     }
     let question = FilmQuestion {
@@ -98,6 +76,10 @@ fn settle(
             return Ok(());
         }
     };
+    let polishes = choose.is_none();
+    if let Some(choose) = choose {
+        fitted = choose(fitted, samples);
+    }
     let seen = seen(stage, answers, film);
     let (maps, certified) = match (film, stage.view) {
         (Some(film), Some(view)) => {
@@ -109,7 +91,9 @@ fn settle(
                     return Ok(());
                 }
             };
-            polish(&question, samples, &mut fitted, &mut judge)?;
+            if polishes {
+                polish(&question, samples, &mut fitted, &mut judge)?;
+            }
             let certified = certify(&question, &fitted, &mut judge)?;
             entry.cost.texels_drawn = judge.texels_drawn;
             entry.cost.triangles_drawn = judge.triangles_drawn;
@@ -126,14 +110,7 @@ fn settle(
             }
         }
     };
-    let answering = |point| first_holding(maps.iter().map(|m| &m.region.domain), point);
-    entry.maps = (0..maps.len())
-        .map(|k| {
-            let answers = |point| answering(point) == Some(k);
-            let chosen = Chosen { method: job.solver.method, size: certified.sizes[k], bias: certified.bias };
-            map_entry(&maps[k], &chosen, light, stage.tracer, &seen, answers)
-        })
-        .collect();
+    entry.maps = map_entries(&maps, &certified, job, light, stage, &seen);
     entry.status = if certified.met { Status::Planned } else { Status::NotMet };
     if !certified.met {
         entry.reason = Some(not_met_reason(job, &certified, stage.film));
@@ -144,7 +121,37 @@ fn settle(
     Ok(())
 }
 
-fn not_met_reason(job: &Job, certified: &Certified, film: Film) -> String {
+/// The entries of a light's maps.
+pub(super) fn map_entries(
+    maps: &[JudgedMap],
+    certified: &Certified,
+    job: &Job,
+    light: &Light,
+    stage: &FrameStage,
+    seen: &[Seen],
+) -> Vec<MapPlan> {
+    let answering = |point| first_holding(maps.iter().map(|m| &m.region.domain), point);
+    (0..maps.len())
+        .map(|k| {
+            let answers = |point| answering(point) == Some(k);
+            let chosen = Chosen { method: job.solver.method, size: certified.sizes[k], bias: certified.bias };
+            map_entry(&maps[k], &chosen, light, stage.tracer, seen, answers)
+        })
+        .collect()
+}
+
+/// Status and reason of a light that no map has to be looked up for.
+pub(super) fn no_map_needed(entry: &mut LightPlan, facing: u64, job: &Job) {
+    let at = if measures(job) { "no pixel" } else { "no position of the planning grid" };
+    (entry.status, entry.reason) = if facing == 0 {
+        (Status::Unlit, Some(format!("{at} faces the light within its reach")))
+    } else {
+        let differs = if job.map.outside == Outside::Lit { "in shadow" } else { "lit" };
+        (Status::NoVisibleShadow, Some(format!("{at} that faces the light is {differs}")))
+    };
+}
+
+pub(super) fn not_met_reason(job: &Job, certified: &Certified, film: Film) -> String {
     let largest = certified.sizes.iter().map(|[w, h]| format!("{w}x{h}")).collect::<Vec<_>>().join(" + ");
     match &certified.chosen {
         Some(trial) if job.quality.bound == Bound::Misclassified => format!(
@@ -165,7 +172,7 @@ fn not_met_reason(job: &Job, certified: &Certified, film: Film) -> String {
     }
 }
 
-fn solver_report(job: &Job, fitted: &FittedLight) -> SolverReport {
+pub(super) fn solver_report(job: &Job, fitted: &FittedLight) -> SolverReport {
     let reports = || fitted.regions.iter().map(|r| r.report);
     let worst = reports().fold(None, |w: Option<crate::methods::Report>, r| match w {
         Some(w) if w.spread >= r.spread => Some(w),
@@ -183,7 +190,12 @@ fn solver_report(job: &Job, fitted: &FittedLight) -> SolverReport {
     }
 }
 
-fn light_error(job: &Job, certified: &Certified, stage: &FrameStage, film: Option<&Receivers>) -> LightError {
+pub(super) fn light_error(
+    job: &Job,
+    certified: &Certified,
+    stage: &FrameStage,
+    film: Option<&Receivers>,
+) -> LightError {
     let of_quantile = |bound: Bound, value: Option<f64>| if job.quality.bound == bound { value } else { None };
     let measured = certified.chosen.as_ref().filter(|_| film.is_some()).map(|trial| {
         let verdict = trial.verdict;
@@ -228,7 +240,7 @@ fn light_error(job: &Job, certified: &Certified, stage: &FrameStage, film: Optio
 }
 
 /// Visible points of the light, evenly thinned: of the film where it was classified, else of the grid.
-fn seen(stage: &FrameStage, answers: &[Answer], film: Option<&Receivers>) -> Vec<Seen> {
+pub(super) fn seen(stage: &FrameStage, answers: &[Answer], film: Option<&Receivers>) -> Vec<Seen> {
     match (film, stage.view) {
         (Some(film), Some(view)) => {
             let stride = film.len().div_ceil(SEEN_MAX).max(1);
@@ -249,9 +261,4 @@ fn seen(stage: &FrameStage, answers: &[Answer], film: Option<&Receivers>) -> Vec
             })
             .collect(),
     }
-}
-
-/// Whether a job measures.
-pub(super) fn measures(job: &Job) -> bool {
-    job.quality.measure == Measure::Always
 }

@@ -2,13 +2,16 @@
 
 use std::path::Path;
 
-use super::light_entry::{FrameStage, light_entry, measures};
-use super::{FramePlan, Plan, PlanCamera, PlanError, PlannedJob, Stage, Watch, hash_inputs, relative_path};
+use super::light_entry::light_entry;
+use super::stage::Stages;
+use super::{
+    FramePlan, LightPlan, Plan, PlanCamera, PlanError, PlannedJob, Stage, Watch, across, hash_inputs, relative_path,
+    whole_shot,
+};
 use crate::job::{Job, LoadedJob};
-use crate::math::{Bounds, rows_of};
-use crate::samples::{Grid, GridView};
-use crate::scene::{self, Shot, ShotParams};
-use crate::visibility::{Bvh, RayOffset, Tracer, see};
+use crate::math::rows_of;
+use crate::scene::{self, Camera, Film, FrameTime, Shot, ShotParams};
+use crate::shot::Temporal;
 
 /// Reads the files of a job.
 pub(crate) fn load_shot(job: &LoadedJob) -> Result<Shot, PlanError> {
@@ -35,59 +38,54 @@ pub fn make(loaded: &LoadedJob, plan_dir: &Path, timings: bool, watch: &Watch) -
     for note in &shot.scene.notes {
         watch.note(note);
     }
-    let still = Bvh::build(&shot.scene.still);
-    let still_bounds = Bounds::of(shot.scene.still.iter().flatten().map(|v| v.as_dvec3()));
+    let stages = Stages::new(&shot, job);
     watch.step(Stage::Load, 1, 1)?;
-
-    let mut frames = Vec::with_capacity(shot.frames.len());
-    let mut done = 0;
-    for time in &shot.frames {
-        let frame = shot.scene.frame(time.time_s)?;
-        let geometry = shot.scene.geometry(&frame);
-        let moving = (!frame.moving.is_empty()).then(|| Bvh::build(&frame.moving));
-        let tracer = Tracer::new(geometry, &still, moving.as_ref());
-        let bounds = still_bounds.union(Bounds::of(frame.moving.iter().flatten().map(|v| v.as_dvec3())));
-        let view = measures(job).then(|| see(&tracer, &frame.camera, shot.film));
-        let grid = GridView::see(&tracer, &frame.camera, Grid::new(shot.film, job.sampling.grid), view.as_ref());
-        let primary = match &view {
-            Some(_) if grid.grid.is_film() => shot.film.pixels(),
-            Some(_) => grid.grid.len() + shot.film.pixels(),
-            None => grid.grid.len(),
-        };
-        let stage = FrameStage {
-            tracer: &tracer,
-            camera: &frame.camera,
-            film: shot.film,
-            grid: &grid,
-            view: view.as_ref(),
-            bounds,
-            offset: RayOffset::for_scene(&tracer),
-            rays_share: (primary / frame.lights.len().max(1)) as u64,
-        };
-        let total = (shot.frames.len() * frame.lights.len()) as u64;
-        let mut lights = Vec::with_capacity(frame.lights.len());
-        for light in &frame.lights {
-            watch.step(Stage::Lights, done, total)?;
-            lights.push(light_entry(&stage, light, job, timings)?);
-            done += 1;
-        }
-        watch.step(Stage::Lights, done, total)?;
-        frames.push(FramePlan {
-            frame: time.frame,
-            time_s: time.time_s,
-            camera: PlanCamera {
-                name: frame.camera.name.clone(),
-                clip_from_world: rows_of(&frame.camera.clip_from_scene(shot.film)),
-                position: frame.camera.position.to_array(),
-                width: shot.film.width,
-                height: shot.film.height,
-            },
-            lights,
-        });
+    let mode = if shot.frames.len() > 1 { job.shot.temporal } else { Temporal::PerFrame };
+    let mut frames = match mode {
+        Temporal::PerFrame => per_frame(&stages, timings, watch)?,
+        _ => whole_shot::plan(&stages, timings, watch)?,
+    };
+    if shot.frames.len() > 1 {
+        across::complete(&stages, &mut frames, watch)?;
     }
     let inputs = hash_inputs(&shot.scene.inputs, plan_dir)?;
     let mut resolved = loaded.job.clone();
     resolved.scene = loaded.scene_files().iter().map(|f| f.at(relative_path(f.path(), plan_dir).into())).collect();
     resolved.camera.file = loaded.camera().file.map(|file| relative_path(&file, plan_dir).into());
     Ok(Plan::new(PlannedJob { job: resolved, inputs }, shot.scene.origin.to_array(), frames))
+}
+
+/// Each frame for itself.
+fn per_frame(stages: &Stages, timings: bool, watch: &Watch) -> Result<Vec<FramePlan>, PlanError> {
+    let mut done = 0;
+    let mut frame_plan = |k: usize| {
+        stages.with(k, |stage, frame| {
+            let total = (stages.len() * frame.lights.len()) as u64;
+            let mut lights = Vec::with_capacity(frame.lights.len());
+            for light in &frame.lights {
+                watch.step(Stage::Lights, done, total)?;
+                lights.push(light_entry(stage, light, stages.job, timings, None)?);
+                done += 1;
+            }
+            watch.step(Stage::Lights, done, total)?;
+            Ok(frame_entry(stages.time(k), &frame.camera, stage.film, lights))
+        })
+    };
+    (0..stages.len()).map(&mut frame_plan).collect()
+}
+
+/// A frame of the plan.
+pub(super) fn frame_entry(time: FrameTime, camera: &Camera, film: Film, lights: Vec<LightPlan>) -> FramePlan {
+    FramePlan {
+        frame: time.frame,
+        time_s: time.time_s,
+        camera: PlanCamera {
+            name: camera.name.clone(),
+            clip_from_world: rows_of(&camera.clip_from_scene(film)),
+            position: camera.position.to_array(),
+            width: film.width,
+            height: film.height,
+        },
+        lights,
+    }
 }

@@ -1,5 +1,6 @@
 //! The plan: the versioned result of planning a shot, its JSON and TOML files, and checking one later.
 
+mod across;
 mod conventions;
 mod domain;
 mod error;
@@ -12,9 +13,11 @@ mod map_entry;
 mod read;
 mod remeasure;
 mod render;
+mod stage;
 mod types;
 mod verify;
 mod watch;
+mod whole_shot;
 mod write;
 
 pub use conventions::Conventions;

@@ -3,13 +3,18 @@
 //!
 //! Nothing of samples, metric, fit or methods is used: what judges a plan shares none of what chose it.
 
-use super::{MapPlan, domain};
+use std::sync::Arc;
+
+use super::stage::Posed;
+use super::{Flicker, MapPlan, domain};
 use crate::math::matrix_from_rows;
-use crate::measure::{Certainty, Drawn, Receivers, Verdict, wrong};
+use crate::measure::{
+    Certainty, Drawn, Earlier, LightThenNow, Moment, Outside, Receivers, Verdict, flicker, reproject, wrong,
+};
 use crate::raster::{Bias, Canvas, RasterError};
 use crate::resolution::{MapParams, SingleSided};
-use crate::scene::{Camera, Light};
-use crate::visibility::{RayOffset, Tracer, View};
+use crate::scene::{Camera, Film, Light, Shot};
+use crate::visibility::{Bvh, RayOffset, Tracer, View};
 
 /// What a frame gives to each of its lights.
 #[derive(Clone, Copy)]
@@ -25,7 +30,7 @@ pub(super) struct Remeasured {
     /// The pixels that ask, with their exact answers.
     pub(super) receivers: Receivers,
     /// The maps as drawn.
-    pub(super) drawn: Vec<Drawn>,
+    pub(super) drawn: Arc<Vec<Drawn>>,
     /// Receivers answered wrongly, ascending.
     pub(super) wrong: Vec<u32>,
     /// For each wrong one, whether its exact answer is uncertain.
@@ -34,17 +39,68 @@ pub(super) struct Remeasured {
     pub(super) verdict: Verdict,
 }
 
-/// Draws a light's maps and looks every pixel up. Without maps every answer is that of `outside`.
+/// A frame whose lights were measured, kept for the comparison with the next one.
+pub(super) struct Before {
+    pub(super) number: i64,
+    pub(super) posed: Posed,
+    pub(super) offset: RayOffset,
+    /// The maps of each light, by name, as drawn.
+    pub(super) maps: Vec<(String, Arc<Vec<Drawn>>)>,
+}
+
+impl Before {
+    /// Flicker of a light of the frame `now` since this one; `None` for a light that was not there.
+    pub(super) fn flicker(
+        &self,
+        (shot, still): (&Shot, &Bvh),
+        earlier: &[Option<Earlier>],
+        light: &str,
+        now: &Remeasured,
+        outside: Outside,
+    ) -> Option<Flicker> {
+        let tracer = self.posed.tracer(shot, still);
+        let then = self.posed.frame.lights.iter().find(|l| l.name == light)?;
+        let maps_then = self.maps_of(light)?;
+        let moment = self.moment(&tracer, shot.film);
+        let pair = LightThenNow { then, maps_then, maps_now: &now.drawn };
+        let found = flicker(&moment, earlier, &now.receivers, &pair, outside);
+        Some(Flicker { since: self.number, still: found.still, moved: found.moved, compared: found.compared })
+    }
+
+    /// The maps of a light.
+    pub(super) fn maps_of(&self, light: &str) -> Option<&Arc<Vec<Drawn>>> {
+        self.maps.iter().find(|(name, _)| name == light).map(|(_, maps)| maps)
+    }
+
+    /// Where the pixels of a later frame were in this one.
+    pub(super) fn earlier(&self, (shot, still): (&Shot, &Bvh), now: &Seeing) -> Vec<Option<Earlier>> {
+        let tracer = self.posed.tracer(shot, still);
+        let moment = Moment { tracer: now.tracer, camera: now.camera, film: now.view.film, offset: now.offset };
+        reproject(&self.moment(&tracer, shot.film), &moment, now.view)
+    }
+
+    fn moment<'a>(&'a self, tracer: &'a Tracer<'a>, film: Film) -> Moment<'a> {
+        Moment { tracer, camera: &self.posed.frame.camera, film, offset: self.offset }
+    }
+}
+
+/// Draws a light's maps, unless they are given as `drawn`, and looks every pixel up. Without maps every answer is
+/// `outside`.
 pub(super) fn remeasure(
     seeing: &Seeing,
     light: &Light,
     maps: &[MapPlan],
     params: &MapParams,
+    drawn: Option<Arc<Vec<Drawn>>>,
 ) -> Result<Remeasured, RasterError> {
     let Seeing { tracer, camera, view, offset } = *seeing;
     let receivers = Receivers::classify(tracer, view, camera, light, offset);
-    let drawn =
-        maps.iter().map(|map| draw_map(tracer, light, map, params.single_sided)).collect::<Result<Vec<_>, _>>()?;
+    let drawn = match drawn {
+        Some(drawn) => drawn,
+        None => Arc::new(
+            maps.iter().map(|map| draw_map(tracer, light, map, params.single_sided)).collect::<Result<Vec<_>, _>>()?,
+        ),
+    };
     let wrong = wrong(&receivers, &drawn, params.outside);
     let uncertain = Certainty::new(tracer, view, camera, light, &receivers, offset).uncertain(&wrong);
     let verdict = Verdict::of(&receivers, &wrong, &uncertain);

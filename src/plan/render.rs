@@ -58,7 +58,7 @@ pub fn render(
     let mut film = Film::new(&seeing);
     for (entry, light) in planned.lights.iter().zip(&posed.lights) {
         watch.check()?;
-        let measured = remeasure(&seeing, light, &entry.maps, &loaded.job.map)?;
+        let measured = remeasure(&seeing, light, &entry.maps, &loaded.job.map, None)?;
         let answers = &grid.answers(&tracer, &posed.camera, light, offset);
         let lit = LightView { tracer: &tracer, camera: &posed.camera, view: &grid, light, offset, answers };
         let samples = sample_light(&lit, loaded.job.sampling.refine, false);

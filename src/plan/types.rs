@@ -2,6 +2,7 @@
 
 mod light;
 mod map;
+mod temporal;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -11,6 +12,7 @@ use crate::job::Job;
 
 pub use light::{Cost, LightError, LightPlan, Measured, Predicted, SolverReport, Status, Tried};
 pub use map::{CubeFace, Domain, Frustum, LightCamera, LightProjection, MapBias, MapPlan, Witness};
+pub use temporal::{Flicker, LightTemporal};
 
 /// Four rows of four, applied to column vectors.
 pub type Rows = [[f64; 4]; 4];
@@ -70,6 +72,22 @@ pub struct Summary {
     pub maps: u64,
     /// Texels of all maps over all frames and lights.
     pub texels: u64,
+    /// Texels of the maps that are drawn, not reused from an earlier frame.
+    #[serde(default)]
+    pub texels_drawn: u64,
+    /// Texels of all maps of the frame that has most.
+    #[serde(default)]
+    pub peak: u64,
+    /// How often a light's matrix, in its own frame, or size changes from one frame to the next.
+    #[serde(default)]
+    pub changes: u64,
+    /// Pixels whose answer changes between frames although nothing moved, over all frames and lights; absent when nothing
+    /// was measured across frames.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub flicker: Option<u64>,
+    /// The same on surfaces that moved.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub flicker_moved: Option<u64>,
     /// Width and height of the map with most texels; absent when there is no map.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub largest: Option<[u32; 2]>,
@@ -114,7 +132,20 @@ impl Summary {
                 });
             }
         }
+        let drawn = |l: &LightPlan| l.temporal.as_ref().is_none_or(|t| t.reused_from.is_none());
+        let texels_of = |f: &FramePlan| f.lights.iter().flat_map(|l| &l.maps).map(MapPlan::texels).sum::<u64>();
+        let flicker = || lights().filter_map(|(_, l)| l.flicker);
+        let measured = flicker().next().is_some();
+        let changes = frames.windows(2).map(|pair| {
+            let before = |name: &str| pair[0].lights.iter().find(|l| l.light == name);
+            pair[1].lights.iter().filter(|l| before(&l.light).is_some_and(|b| l.changes_from(b))).count() as u64
+        });
         Self {
+            texels_drawn: lights().filter(|(_, l)| drawn(l)).flat_map(|(_, l)| &l.maps).map(MapPlan::texels).sum(),
+            peak: frames.iter().map(texels_of).max().unwrap_or(0),
+            changes: changes.sum(),
+            flicker: measured.then(|| flicker().map(|f| f.still).sum()),
+            flicker_moved: measured.then(|| flicker().map(|f| f.moved).sum()),
             met: lights().all(|(_, l)| l.met()),
             frames: frames.len() as u64,
             maps: maps().count() as u64,

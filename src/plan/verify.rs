@@ -7,20 +7,23 @@
 //! metres, the f32 round trip), the prediction, and what planning cost. The value of a bound other than `misclassified`
 //! is taken from the plan; its counts are measured.
 
+mod across;
 mod claims;
 mod light;
 mod witness;
 
 use std::path::Path;
 
+use across::Across;
 use serde::Serialize;
 
 use super::make::load_shot;
-use super::remeasure::Seeing;
+use super::remeasure::{Before, Seeing};
+use super::stage::Posed;
 use super::{Input, Plan, PlanError, Stage, Watch, sha256_hex};
 use crate::job::{self, LoadedJob};
 use crate::scene::Shot;
-use crate::visibility::{Bvh, RayOffset, Tracer, see};
+use crate::visibility::{Bvh, RayOffset, see};
 
 /// What a check of a plan found.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -75,6 +78,10 @@ pub struct LightCheck {
     pub measured: u64,
     /// Further wrong pixels, whose exact answer is uncertain, now.
     pub uncertain: u64,
+    /// Pixels on surfaces that did not move whose answer changes since the frame before although the exact answer does not,
+    /// now; absent for the first frame.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub flicker: Option<u64>,
     /// Pixels of the image.
     pub of_pixels: u64,
     /// The bound, in the unit of the job's `quality.bound`.
@@ -114,22 +121,30 @@ pub fn verify(plan: &Plan, plan_dir: &Path, watch: &Watch) -> Result<Verificatio
 /// Measures the lights of all frames that the shot has.
 fn measure(plan: &Plan, shot: &Shot, found: &mut Verification, watch: &Watch) -> Result<(), PlanError> {
     let still = Bvh::build(&shot.scene.still);
+    let mut across = Across::default();
     let total = plan.frames.iter().map(|f| f.lights.len() as u64).sum();
     for planned in &plan.frames {
         let Some(time) = shot.frames.iter().find(|time| time.frame == planned.frame) else { continue };
-        let frame = shot.scene.frame(time.time_s)?;
-        found.problems.extend(claims::of_a_frame(planned, &frame, shot.film));
-        let geometry = shot.scene.geometry(&frame);
-        let moving = (!frame.moving.is_empty()).then(|| Bvh::build(&frame.moving));
-        let tracer = Tracer::new(geometry, &still, moving.as_ref());
+        let posed = Posed::new(shot, time.time_s)?;
+        let (tracer, frame) = (posed.tracer(shot, &still), &posed.frame);
+        found.problems.extend(claims::of_a_frame(planned, frame, shot.film));
         let view = see(&tracer, &frame.camera, shot.film);
         let offset = RayOffset::for_scene(&tracer);
+        let mut maps = Vec::with_capacity(planned.lights.len());
         let seeing = Seeing { tracer: &tracer, camera: &frame.camera, view: &view, offset };
+        let earlier = across.before.as_ref().map(|b| b.earlier((shot, &still), &seeing));
         for entry in &planned.lights {
             watch.step(Stage::Lights, found.lights.len() as u64, total)?;
             let Some(light) = frame.lights.iter().find(|l| l.name == entry.light) else { continue };
-            found.lights.push(light::check(&seeing, planned.frame, entry, light, &plan.job.job));
+            let (mut check, measured) = light::check(&seeing, planned.frame, entry, light, &plan.job.job);
+            if let Some(measured) = measured {
+                across.check(&mut check, plan, entry, &measured, (shot, &still), earlier.as_deref());
+                maps.push((entry.light.clone(), measured.drawn));
+            }
+            found.lights.push(check);
         }
+        let offset = seeing.offset;
+        across.before = Some(Before { number: planned.frame, posed, offset, maps });
     }
     watch.step(Stage::Lights, total, total)
 }

@@ -9,8 +9,12 @@ use super::PlanError;
 pub enum Stage {
     /// Reading the scene's files.
     Load,
+    /// Sampling the frames of a shot; counted in frames.
+    Samples,
     /// Planning, measuring or drawing; counted in lights of frames.
     Lights,
+    /// Comparing the frames of a planned shot with the ones before them; counted in frames.
+    Flicker,
 }
 
 /// How far a stage is.

@@ -11,7 +11,7 @@ use crate::raster::{Bias, RasterError};
 const SLOPES: [f64; 4] = [1.5, 1.0, 2.0, 3.0];
 
 /// The bias of a job, with a slope where it gives none.
-pub(super) fn bias_with(params: &BiasParams, slope: f64) -> Bias {
+fn bias_with(params: &BiasParams, slope: f64) -> Bias {
     Bias {
         constant: params.constant.unwrap_or(CONSTANT_F32),
         slope: params.slope.unwrap_or(slope),
@@ -31,7 +31,7 @@ const CLAMPS: [f64; 3] = [1e-2, 1e-3, 1e-4];
 
 /// The bias with fewest wrong pixels at the predicted size, ties go to the earlier one; and these pixels, if it was
 /// measured.
-pub(super) fn measured(
+pub fn measured_bias(
     question: &FilmQuestion,
     fitted: &FittedLight,
     judge: &mut Judge,

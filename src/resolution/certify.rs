@@ -1,10 +1,10 @@
 //! Chooses the smallest size by measurement, with a certificate of what was tried.
 
-use super::bias::{default_bias, measured};
+use super::bias::{default_bias, measured_bias};
 use super::fitted::{predict, predicted_bound};
 use super::judge::Judge;
 use super::{Bound, FilmQuestion, FittedLight, Probe, SizeGrid, smallest};
-use crate::measure::{UNCERTAIN_SLACK, Verdict};
+use crate::measure::{Drawn, UNCERTAIN_SLACK, Verdict};
 use crate::methods::Prediction;
 use crate::raster::{Bias, RasterError};
 
@@ -45,10 +45,8 @@ pub struct Certified {
 /// Chooses by measurement.
 pub fn certify(question: &FilmQuestion, fitted: &FittedLight, judge: &mut Judge) -> Result<Certified, RasterError> {
     let grid = grid_of(question, fitted);
-    let (bias, mut at_guess) = measured(question, fitted, judge, &grid)?;
+    let (bias, mut at_guess) = measured_bias(question, fitted, judge, &grid)?;
     let guess = grid.at_least(fitted.texels);
-    let pixels = question.film.pixels() as f64;
-    let epsilon = question.quality.epsilon();
     let mut tried: Vec<(usize, Trial, Vec<u32>)> = Vec::new();
     let found = smallest(grid.len(), guess, question.map.step, |index| {
         let sizes = grid.sizes(index).to_vec();
@@ -61,21 +59,9 @@ pub fn certify(question: &FilmQuestion, fitted: &FittedLight, judge: &mut Judge)
                 (drawn, wrong)
             }
         };
-        let verdict = judge.verdict(&wrong);
-        let (ratio, meets, at_quantile) = match question.quality.bound {
-            Bound::Misclassified => {
-                let certain = verdict.certain.wrong() as f64;
-                let all = certain + verdict.uncertain as f64;
-                let limit = epsilon * pixels;
-                (certain.max(all / UNCERTAIN_SLACK) / limit, verdict.meets(limit), None)
-            }
-            Bound::Displacement | Bound::Footprint => {
-                let value = judge.at_quantile(&drawn, &wrong);
-                (value / epsilon, value <= epsilon, Some(value))
-            }
-        };
-        tried.push((index, Trial { sizes, verdict, at_quantile, meets }, wrong));
-        Ok::<_, RasterError>(Probe { meets, ratio })
+        let (probe, trial) = trial(question, judge, (&drawn, &wrong), sizes);
+        tried.push((index, trial, wrong));
+        Ok::<_, RasterError>(probe)
     })?;
     let index = found.unwrap_or(grid.len() - 1);
     let sizes = grid.sizes(index).to_vec();
@@ -95,6 +81,30 @@ pub fn certify(question: &FilmQuestion, fitted: &FittedLight, judge: &mut Judge)
     })
 }
 
+/// What drawn maps are measured to give, with the receivers that they answer wrongly.
+pub fn trial(
+    question: &FilmQuestion,
+    judge: &Judge,
+    (drawn, wrong): (&[Drawn], &[u32]),
+    sizes: Vec<[u32; 2]>,
+) -> (Probe, Trial) {
+    let verdict = judge.verdict(wrong);
+    let epsilon = question.quality.epsilon();
+    let (ratio, meets, at_quantile) = match question.quality.bound {
+        Bound::Misclassified => {
+            let certain = verdict.certain.wrong() as f64;
+            let all = certain + verdict.uncertain as f64;
+            let limit = epsilon * question.film.pixels() as f64;
+            (certain.max(all / UNCERTAIN_SLACK) / limit, verdict.meets(limit), None)
+        }
+        Bound::Displacement | Bound::Footprint => {
+            let value = judge.at_quantile(drawn, wrong);
+            (value / epsilon, value <= epsilon, Some(value))
+        }
+    };
+    (Probe { meets, ratio }, Trial { sizes, verdict, at_quantile, meets })
+}
+
 /// Chooses by the prediction alone.
 pub fn predict_only(question: &FilmQuestion, fitted: &FittedLight) -> Certified {
     let grid = grid_of(question, fitted);
@@ -112,12 +122,14 @@ pub fn predict_only(question: &FilmQuestion, fitted: &FittedLight) -> Certified 
     }
 }
 
-fn grid_of(question: &FilmQuestion, fitted: &FittedLight) -> SizeGrid {
+/// The sizes that a light's maps may have.
+pub fn grid_of(question: &FilmQuestion, fitted: &FittedLight) -> SizeGrid {
     let maps: Vec<(f64, f64)> = fitted.regions.iter().map(|r| r.aspect).zip(fitted.shares.iter().copied()).collect();
     SizeGrid::new(&maps, question.map)
 }
 
-fn predicted_at_quantile(question: &FilmQuestion, fitted: &FittedLight, texels: f64) -> Option<f64> {
+/// The predicted value of a bound that is taken at a quantile.
+pub fn predicted_at_quantile(question: &FilmQuestion, fitted: &FittedLight, texels: f64) -> Option<f64> {
     (question.quality.bound != Bound::Misclassified)
         .then(|| predicted_bound(question.quality, &fitted.regions, &fitted.shares, texels))
 }

@@ -118,7 +118,7 @@ pub fn fit_light(
         regions = fit(&covered, texels)?;
     }
     for _ in 0..SIZE_ROUNDS {
-        let predicted = predicted_texels(question, &regions);
+        let predicted = predicted_texels(question.quality, question.film, &regions, &shares(&regions));
         let close = (predicted / texels).max(texels / predicted) < SIZE_CLOSE;
         texels = predicted;
         if close {
@@ -138,8 +138,16 @@ pub fn predict(regions: &[Region], shares: &[f64], texels: f64) -> Prediction {
     })
 }
 
+/// What the bound allows on a film: wrong pixels, or pixels at the quantile.
+pub fn bound_limit(quality: &QualityParams, film: Film) -> f64 {
+    match quality.bound {
+        Bound::Misclassified => quality.epsilon() * film.pixels() as f64,
+        Bound::Displacement | Bound::Footprint => quality.epsilon(),
+    }
+}
+
 /// The predicted value of the bound: wrong pixels, or pixels at the quantile.
-pub(super) fn predicted_bound(quality: &QualityParams, regions: &[Region], shares: &[f64], texels: f64) -> f64 {
+pub fn predicted_bound(quality: &QualityParams, regions: &[Region], shares: &[f64], texels: f64) -> f64 {
     let of_all = regions.iter().zip(shares);
     match quality.bound {
         Bound::Misclassified => predict(regions, shares, texels).misclassified,
@@ -166,14 +174,11 @@ pub(super) fn weighted_quantile(mut values: Vec<(f64, f64)>, quantile: f64) -> f
     values.last().map_or(0.0, |v| v.0)
 }
 
-/// The fewest texels at which the prediction meets the bound: bisection in log texels, the prediction falls with them.
-fn predicted_texels(question: &FilmQuestion, regions: &[Region]) -> f64 {
-    let shares = shares(regions);
-    let limit = match question.quality.bound {
-        Bound::Misclassified => question.quality.epsilon() * question.film.pixels() as f64,
-        Bound::Displacement | Bound::Footprint => question.quality.epsilon(),
-    };
-    let meets = |texels: f64| predicted_bound(question.quality, regions, &shares, texels) <= limit;
+/// The fewest texels at which the prediction meets the bound on a film: bisection in log texels, the prediction falls
+/// with them.
+pub fn predicted_texels(quality: &QualityParams, film: Film, regions: &[Region], shares: &[f64]) -> f64 {
+    let limit = bound_limit(quality, film);
+    let meets = |texels: f64| predicted_bound(quality, regions, shares, texels) <= limit;
     let (mut lo, mut hi) = (1.0_f64, TEXELS_MAX);
     if meets(lo) {
         return lo;

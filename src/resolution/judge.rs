@@ -65,8 +65,21 @@ impl JudgedMap {
     /// # Errors
     /// [`DepthError`]: nothing visible looks the map up, or it has no finite depth row.
     pub fn new(region: Region, tracer: &Tracer, visible: &Visible) -> Result<JudgedMap, DepthError> {
-        let kept = Kept::new(tracer, &region.space, &region.h, visible, &region.domain);
-        let depth = fit_row(&kept, region.is_camera())?;
+        let kept = JudgedMap::kept(&region, tracer, visible);
+        JudgedMap::holding(region, &kept)
+    }
+
+    /// What a region's depth range has to hold: those of the visible points that look it up, and their casters.
+    pub fn kept<'a>(region: &Region, tracer: &'a Tracer<'a>, visible: &Visible) -> Kept<'a> {
+        Kept::new(tracer, &region.space, &region.h, visible, &region.domain)
+    }
+
+    /// The matrix of a region with the depth row that holds what is kept.
+    ///
+    /// # Errors
+    /// [`DepthError`]: nothing is kept, or it has no finite row.
+    pub fn holding(region: Region, kept: &Kept) -> Result<JudgedMap, DepthError> {
+        let depth = fit_row(kept, region.is_camera())?;
         Ok(JudgedMap { clip_from_scene: clip_from_scene(&region, depth.row), region, depth })
     }
 }
@@ -94,8 +107,20 @@ impl<'a> Judge<'a> {
         offset: RayOffset,
     ) -> Result<Judge<'a>, DepthError> {
         let maps = JudgedMap::of_all(&fitted.regions, tracer, &receivers.positions)?;
+        Ok(Judge::of_maps(tracer, view, question, maps, receivers, offset))
+    }
+
+    /// For maps whose depth rows are settled.
+    pub fn of_maps(
+        tracer: &'a Tracer<'a>,
+        view: &'a View,
+        question: &'a FilmQuestion<'a>,
+        maps: Vec<JudgedMap>,
+        receivers: &'a Receivers,
+        offset: RayOffset,
+    ) -> Judge<'a> {
         let certainty = Certainty::new(tracer, view, question.camera, question.light, receivers, offset);
-        Ok(Judge {
+        Judge {
             tracer,
             view,
             question,
@@ -105,7 +130,7 @@ impl<'a> Judge<'a> {
             certainty,
             texels_drawn: 0,
             triangles_drawn: 0,
-        })
+        }
     }
 
     /// For each map the receivers that look it up, in the order of the film.

@@ -86,6 +86,11 @@ impl<'a> GridView<'a> {
         GridView { grid, triangles: triangles.into(), depths_m: depths_m.into() }
     }
 
+    /// A grid that nothing is asked of.
+    pub fn unseen(grid: Grid) -> GridView<'a> {
+        GridView { grid, triangles: Cow::Borrowed(&[]), depths_m: Cow::Borrowed(&[]) }
+    }
+
     /// The surface at a position; `None` for the background. `tracer` and `camera` are those it was seen with.
     pub fn surface(&self, tracer: &Tracer, camera: &Camera, index: usize) -> Option<Surface> {
         let seen = (self.triangles[index], self.depths_m[index]);

@@ -61,6 +61,8 @@ fn light(name: &str, kind: LightKindName, status: Status) -> LightPlan {
         maps: Vec::new(),
         error: None,
         solver: None,
+        temporal: None,
+        flicker: None,
         cost: Cost::default(),
     }
 }

@@ -1,9 +1,11 @@
-//! `[quality]`, `[map]`, `[sampling]`, `[solver]`.
+//! `[quality]`, `[map]`, `[sampling]`, `[solver]`, `[shot]`.
 
 use super::{Problem, problem, require};
+use crate::fit::Shape;
 use crate::methods::SolverParams;
 use crate::resolution::{Bound, MapParams, QualityParams, SIZE_MAX};
 use crate::samples::SamplingParams;
+use crate::shot::{Temporal, TemporalParams};
 
 pub(super) fn quality(quality: &QualityParams) -> Result<(), Problem> {
     let epsilon = quality.epsilon();
@@ -94,6 +96,35 @@ pub(super) fn solver(solver: &SolverParams) -> Result<(), Problem> {
     {
         let remedy = "give [a, b, c, d] of a x + b y + c z + d = 0, all finite, a, b and c not all zero";
         return Err(problem("solver.plane", format!("{plane:?} is no plane"), remedy));
+    }
+    Ok(())
+}
+
+pub(super) fn shot(shot: &TemporalParams, map: &MapParams) -> Result<(), Problem> {
+    let cost = shot.change_cost;
+    require(cost >= 0.0 && cost.is_finite(), "shot.change_cost", cost, "a finite number of texels of at least 0")?;
+    if let Some(most) = shot.max_segments {
+        require(most >= 1, "shot.max_segments", most, "at least 1")?;
+        if shot.hold.is_some() && most > 1 {
+            let message = format!("hold = \"shot\" is one segment, max_segments = {most} allows more");
+            return Err(problem("shot.max_segments", message, "remove one of the two"));
+        }
+    }
+    let part = shot.hysteresis;
+    require(part > 0.0 && part <= 1.0, "shot.hysteresis", part, "above 0 and at most 1")?;
+    let border = shot.hysteresis_border;
+    require((0.0..=0.4).contains(&border), "shot.hysteresis_border", border, "0 to 0.4")?;
+    if shot.temporal == Temporal::Snapped && map.shape != Shape::Rectangle {
+        let message = "snapped maps move by whole texels, and these maps may turn and warp";
+        return Err(problem("shot.temporal", message, "set map.shape = \"rectangle\""));
+    }
+    if shot.temporal == Temporal::Snapped && map.min < 2 {
+        let message = "a map of one texel cannot move by whole texels";
+        return Err(problem("map.min", message, "give at least 2"));
+    }
+    if shot.one_size && !matches!(shot.temporal, Temporal::Shot | Temporal::Snapped) {
+        let message = "one size over the shot is a matter of the modes \"shot\" and \"snapped\"";
+        return Err(problem("shot.one_size", message, "remove it, or change shot.temporal"));
     }
     Ok(())
 }

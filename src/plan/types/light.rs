@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::MapPlan;
+use super::{Flicker, LightTemporal, MapPlan};
 use crate::fit::Termination;
 use crate::scene::{Light, LightKind, LightKindName};
 
@@ -41,6 +41,13 @@ pub struct LightPlan {
     /// How the matrix was found; absent when nothing was solved.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub solver: Option<SolverReport>,
+    /// How it hangs together with other frames; absent in a plan of one frame.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub temporal: Option<LightTemporal>,
+    /// Changes of answer since the frame before that nothing accounts for; absent for the first frame and where nothing
+    /// was measured.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub flicker: Option<Flicker>,
     /// What planning this light took.
     pub cost: Cost,
 }
@@ -68,8 +75,22 @@ impl LightPlan {
             maps: Vec::new(),
             error: None,
             solver: None,
+            temporal: None,
+            flicker: None,
             cost: Cost::default(),
         }
+    }
+
+    /// Whether the matrix, in the light's own frame, or the size is not that of an earlier frame's entry. False where either
+    /// has no map.
+    pub fn changes_from(&self, before: &LightPlan) -> bool {
+        let segment = |l: &LightPlan| l.temporal.as_ref().and_then(|t| t.segment);
+        let same_segment = segment(self).is_some() && segment(self) == segment(before);
+        let same_map = |(a, b): (&MapPlan, &MapPlan)| {
+            (a.clip_from_world, a.width, a.height) == (b.clip_from_world, b.width, b.height)
+        };
+        let same = self.maps.len() == before.maps.len() && self.maps.iter().zip(&before.maps).all(same_map);
+        !(self.maps.is_empty() || before.maps.is_empty() || same_segment || same)
     }
 
     /// True when epsilon holds: with its maps, or because none is needed.

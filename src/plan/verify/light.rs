@@ -13,8 +13,14 @@ use glam::DVec3;
 /// Reasons listed in full; more are counted.
 const LISTED: usize = 3;
 
-/// Checks the entry of a light.
-pub(super) fn check(seeing: &Seeing, frame: i64, entry: &LightPlan, light: &Light, job: &Job) -> LightCheck {
+/// Checks the entry of a light; what was measured, where its maps can be drawn.
+pub(super) fn check(
+    seeing: &Seeing,
+    frame: i64,
+    entry: &LightPlan,
+    light: &Light,
+    job: &Job,
+) -> (LightCheck, Option<Remeasured>) {
     let of_pixels = seeing.view.film.pixels() as u64;
     let mut check = LightCheck {
         frame,
@@ -23,6 +29,7 @@ pub(super) fn check(seeing: &Seeing, frame: i64, entry: &LightPlan, light: &Ligh
         planned: entry.error.as_ref().and_then(|e| e.measured.as_ref()).map(|m| m.misclassified),
         measured: 0,
         uncertain: 0,
+        flicker: None,
         of_pixels,
         epsilon: entry.epsilon,
         witnesses_held: 0,
@@ -34,11 +41,11 @@ pub(super) fn check(seeing: &Seeing, frame: i64, entry: &LightPlan, light: &Ligh
     if entry.epsilon != job.quality.epsilon() {
         check.reasons.push(format!("epsilon is {}, {} in the job", entry.epsilon, job.quality.epsilon()));
     }
-    let measured = match remeasure(seeing, light, &entry.maps, &job.map) {
+    let measured = match remeasure(seeing, light, &entry.maps, &job.map, None) {
         Ok(measured) => measured,
         Err(error) => {
             check.reasons.push(error.to_string());
-            return check;
+            return (check, None);
         }
     };
     check.measured = measured.verdict.certain.wrong();
@@ -59,7 +66,7 @@ pub(super) fn check(seeing: &Seeing, frame: i64, entry: &LightPlan, light: &Ligh
         check.reasons.push(format!("{more} more witnesses do not hold"));
     }
     settle(&mut check, entry, &measured.verdict, job);
-    check
+    (check, Some(measured))
 }
 
 /// Whether the status is one that film-resolution visibility allows, and goes with the maps and flags beside it.
@@ -168,6 +175,10 @@ fn certificate_fault(entry: &LightPlan, plan: &Measured, met: bool, of_pixels: u
     let texels = |t: &Tried| u64::from(t.width) * u64::from(t.height);
     if let Some(over) = tried.iter().find(|t| texels(t) > first.texels() && !meets(t)) {
         return Some(format!("{}x{} was tried, is larger than the map, and is over", over.width, over.height));
+    }
+    // Of a segment one frame needs the size; the others may meet smaller ones.
+    if entry.temporal.as_ref().is_some_and(|t| t.decided_by.is_some() && t.drawn_at.or(t.reused_from).is_some()) {
+        return None;
     }
     let next = tried.iter().filter(|t| texels(t) < first.texels()).max_by_key(|t| texels(t));
     next.filter(|t| meets(t)).map(|t| format!("{}x{} was tried, is smaller than the map, and meets", t.width, t.height))

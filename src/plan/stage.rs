@@ -1,0 +1,169 @@
+//! The stage of a frame, set from the shot: its triangles sorted for rays, its film and its planning grid seen.
+
+use super::PlanError;
+use crate::job::Job;
+use crate::math::Bounds;
+use crate::measure::{Outside, Receivers};
+use crate::resolution::Measure;
+use crate::samples::{Grid, GridView, LightSamples, LightView, sample_light};
+use crate::scene::{Camera, Film, FrameTime, Light, SceneFrame, Shot};
+use crate::visibility::{Answer, Bvh, RayOffset, Tracer, View, classify, see};
+
+/// What a frame gives to each of its lights.
+pub(super) struct FrameStage<'a> {
+    pub(super) tracer: &'a Tracer<'a>,
+    pub(super) camera: &'a Camera,
+    pub(super) film: Film,
+    pub(super) grid: &'a GridView<'a>,
+    /// Absent when nothing is measured.
+    pub(super) view: Option<&'a View>,
+    pub(super) bounds: Bounds,
+    pub(super) offset: RayOffset,
+    /// Rays spent on the frame itself, shared out.
+    pub(super) rays_share: u64,
+}
+
+/// What rays say of one light of a frame.
+pub(super) struct Lit {
+    /// What the light does at each position of the planning grid.
+    pub(super) answers: Vec<Answer>,
+    /// The film's pixels that face the light; absent when nothing is measured.
+    pub(super) film: Option<Receivers>,
+    /// Shadow edges and covered points.
+    pub(super) samples: LightSamples,
+    /// Rays spent.
+    pub(super) rays: u64,
+}
+
+impl FrameStage<'_> {
+    /// Asks film and planning grid for one light; a film that is the grid is asked once.
+    pub(super) fn look(&self, light: &Light, job: &Job) -> Lit {
+        let FrameStage { tracer, camera, grid: view, offset, .. } = *self;
+        let facing = |answers: &[Answer]| answers.iter().filter(|a| **a != Answer::Unlit).count() as u64;
+        let classified = self.view.map(|film| classify(tracer, film, camera, light, offset));
+        let film = self.view.zip(classified.as_ref()).map(|(film, answers)| Receivers::new(film, camera, answers));
+        let film_rays = film.as_ref().map_or(0, |f| f.len() as u64);
+        let (answers, grid_rays) = match classified {
+            Some(answers) if view.grid.is_film() => (answers, 0),
+            _ => {
+                let answers = view.answers(tracer, camera, light, offset);
+                let rays = facing(&answers);
+                (answers, rays)
+            }
+        };
+        let lit = LightView { tracer, camera, view, light, offset, answers: &answers };
+        let samples = sample_light(&lit, job.sampling.refine, job.map.outside == Outside::Shadowed);
+        let rays = film_rays + grid_rays + samples.rays;
+        Lit { answers, film, samples, rays }
+    }
+}
+
+/// A frame with its moving triangles sorted for rays.
+pub(super) struct Posed {
+    pub(super) frame: SceneFrame,
+    moving: Option<Bvh>,
+}
+
+impl Posed {
+    /// The scene at a time of the shot.
+    ///
+    /// # Errors
+    /// When it has no pose then.
+    pub(super) fn new(shot: &Shot, time_s: f64) -> Result<Posed, PlanError> {
+        let frame = shot.scene.frame(time_s)?;
+        let moving = (!frame.moving.is_empty()).then(|| Bvh::build(&frame.moving));
+        Ok(Posed { frame, moving })
+    }
+
+    /// Rays through it.
+    pub(super) fn tracer<'a>(&'a self, shot: &'a Shot, still: &'a Bvh) -> Tracer<'a> {
+        Tracer::new(shot.scene.geometry(&self.frame), still, self.moving.as_ref())
+    }
+}
+
+/// What all frames of a shot share.
+pub(super) struct Stages<'a> {
+    pub(super) shot: &'a Shot,
+    pub(super) job: &'a Job,
+    pub(super) still: Bvh,
+    still_bounds: Bounds,
+}
+
+impl<'a> Stages<'a> {
+    /// Sorts the still triangles.
+    pub(super) fn new(shot: &'a Shot, job: &'a Job) -> Stages<'a> {
+        let still_bounds = Bounds::of(shot.scene.still.iter().flatten().map(|v| v.as_dvec3()));
+        Stages { shot, job, still: Bvh::build(&shot.scene.still), still_bounds }
+    }
+
+    /// Number of frames.
+    pub(super) fn len(&self) -> usize {
+        self.shot.frames.len()
+    }
+
+    /// A frame of the shot, by place.
+    pub(super) fn time(&self, frame: usize) -> FrameTime {
+        self.shot.frames[frame]
+    }
+
+    /// Sets the stage of a frame, by place, and hands it over.
+    ///
+    /// # Errors
+    /// When the frame has no pose; and those of `work`.
+    pub(super) fn with<R>(
+        &self,
+        frame: usize,
+        work: impl FnOnce(&FrameStage, &SceneFrame) -> Result<R, PlanError>,
+    ) -> Result<R, PlanError> {
+        self.set(frame, true, work)
+    }
+
+    /// The same for who asks the film alone: where it is measured, the planning grid is empty.
+    ///
+    /// # Errors
+    /// When the frame has no pose; and those of `work`.
+    pub(super) fn film<R>(
+        &self,
+        frame: usize,
+        work: impl FnOnce(&FrameStage, &SceneFrame) -> Result<R, PlanError>,
+    ) -> Result<R, PlanError> {
+        self.set(frame, !measures(self.job), work)
+    }
+
+    fn set<R>(
+        &self,
+        frame: usize,
+        grid: bool,
+        work: impl FnOnce(&FrameStage, &SceneFrame) -> Result<R, PlanError>,
+    ) -> Result<R, PlanError> {
+        let (shot, job) = (self.shot, self.job);
+        let posed = Posed::new(shot, self.time(frame).time_s)?;
+        let (tracer, frame) = (posed.tracer(shot, &self.still), &posed.frame);
+        let bounds = self.still_bounds.union(Bounds::of(frame.moving.iter().flatten().map(|v| v.as_dvec3())));
+        let positions = Grid::new(shot.film, job.sampling.grid);
+        let view = measures(job).then(|| see(&tracer, &frame.camera, shot.film));
+        let own = grid && !(view.is_some() && positions.is_film());
+        let grid = if grid {
+            GridView::see(&tracer, &frame.camera, positions, view.as_ref())
+        } else {
+            GridView::unseen(positions)
+        };
+        let primary = if own { positions.len() } else { 0 } + if view.is_some() { shot.film.pixels() } else { 0 };
+        let stage = FrameStage {
+            tracer: &tracer,
+            camera: &frame.camera,
+            film: shot.film,
+            grid: &grid,
+            view: view.as_ref(),
+            bounds,
+            offset: RayOffset::for_scene(&tracer),
+            rays_share: (primary / frame.lights.len().max(1)) as u64,
+        };
+        work(&stage, frame)
+    }
+}
+
+/// Whether a job measures.
+pub(super) fn measures(job: &Job) -> bool {
+    job.quality.measure == Measure::Always
+}

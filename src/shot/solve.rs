@@ -1,0 +1,208 @@
+//! The stage from the parts of one light to the segments of a shot.
+//!
+//! Long shots are cut at the borders of blocks of frames: every interval of blocks is looked at quickly, the cheapest cut is
+//! found by dynamic programming, and its segments are fitted in full.
+
+use super::interval::{Asked, Interval, Look, fit_interval};
+use super::light_pose::light_poses;
+use super::part::{LightPart, extremes_for_light};
+use super::partition::{Ends, cheapest, lowest_peak};
+use super::{Hold, Minimise, TemporalParams};
+use crate::math::RigidMotion;
+use crate::methods::Inapplicable;
+use crate::samples::EdgePoint;
+use crate::scene::Light;
+use glam::DVec3;
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Most blocks that a shot is cut into: 820 intervals are looked at.
+const BLOCKS: usize = 40;
+
+/// One light over a shot, in the frame of the light.
+#[derive(Clone, Debug)]
+pub struct LightParts {
+    /// One a frame; edges and cover stand where they stand for the light as it is in `light`.
+    pub parts: Vec<LightPart>,
+    /// Scene from light, a frame each.
+    pub poses: Vec<RigidMotion>,
+    /// The light as it stands in the first frame.
+    pub light: Light,
+}
+
+impl LightParts {
+    /// Carries the parts of one light into its frame; `None` without a part.
+    pub fn new(mut parts: Vec<LightPart>) -> Option<LightParts> {
+        let light = parts.first()?.light.clone();
+        let poses = light_poses(parts.iter().map(|p| &p.light));
+        for (part, pose) in parts.iter_mut().zip(&poses) {
+            let Some(motion) = super::carry(pose, &poses[0]) else { continue };
+            for edge in &mut part.edges {
+                let derivatives = edge.derivatives.map(|d| motion.vector(d));
+                *edge = EdgePoint { position: motion.point(edge.position), derivatives, ..*edge };
+            }
+            for point in &mut part.cover {
+                *point = motion.point(*point);
+            }
+        }
+        Some(LightParts { parts, poses, light })
+    }
+
+    /// Frames of a range that need a map.
+    pub fn needing(&self, frames: Range<usize>) -> Vec<usize> {
+        frames.filter(|f| self.parts[*f].needed > 0).collect()
+    }
+
+    /// How often a map over these frames is drawn: where light or content are not those of the frame before.
+    fn draws(&self, frames: &[usize]) -> usize {
+        let same =
+            |a: usize, b: usize| self.poses[a] == self.poses[b] && self.parts[a].content == self.parts[b].content;
+        frames.len().min(1) + frames.windows(2).filter(|w| !same(w[0], w[1])).count()
+    }
+}
+
+/// Frames that share a matrix and a size.
+#[derive(Clone, Debug)]
+pub struct Segment {
+    /// Of the shot, by place.
+    pub frames: Range<usize>,
+    /// Those that need a map.
+    pub needing: Vec<usize>,
+    /// Their matrix.
+    pub interval: Interval,
+}
+
+/// A cut of a shot.
+#[derive(Clone, Debug)]
+pub struct Segmentation {
+    /// In order; frames that need no map may stand in any.
+    pub segments: Vec<Segment>,
+    /// The objective, texels, with what changes cost.
+    pub cost: f64,
+}
+
+/// Why a light's shot has no segments.
+pub type Unsegmented = Inapplicable;
+
+/// Cuts the shot of one light. `correction` is what measured texels were of predicted ones, 1 before anything is measured.
+/// Empty when no frame needs a map.
+///
+/// # Errors
+/// The reason why no cut has a matrix for each of its segments.
+pub fn segments(
+    asked: &Asked,
+    light: &LightParts,
+    params: &TemporalParams,
+    correction: f64,
+) -> Result<Segmentation, Unsegmented> {
+    let count = light.parts.len();
+    if light.needing(0..count).is_empty() {
+        return Ok(Segmentation { segments: Vec::new(), cost: 0.0 });
+    }
+    let most = match params.hold {
+        Some(Hold::Shot) => 1,
+        None => params.max_segments.map_or(usize::MAX, |m| m as usize),
+    };
+    let borders: Vec<usize> = match count.div_ceil(BLOCKS) {
+        _ if most == 1 => vec![0, count],
+        stride => (0..count).step_by(stride).chain([count]).collect(),
+    };
+    let blocks = borders.len() - 1;
+    let pairs: Vec<(usize, usize)> =
+        (0..blocks).flat_map(|first| (first + 1..=blocks).map(move |end| (first, end))).collect();
+    let hull = |frames: Range<usize>| {
+        let points: Vec<DVec3> = light.parts[frames].iter().flat_map(|p| p.cover.iter().copied()).collect();
+        extremes_for_light(&light.light, &points)
+    };
+    let hulls: Vec<Vec<DVec3>> = borders.windows(2).map(|w| hull(w[0]..w[1])).collect();
+    let looked: Vec<Valued> = pairs
+        .par_iter()
+        .map(|(first, end)| {
+            let cover = hulls[*first..*end].concat();
+            valued(asked, light, params, correction, borders[*first]..borders[*end], cover)
+        })
+        .collect();
+    let at = |first: usize, end: usize| looked[first * blocks - first * first.saturating_sub(1) / 2 + end - first - 1];
+    let (_, ends) = cut(blocks, most, params.minimise, at).ok_or_else(|| refusal(asked, light))?;
+    let mut segments = Vec::with_capacity(ends.len());
+    let mut first = 0;
+    let mut cost = 0.0;
+    for end in ends {
+        let frames = borders[first]..borders[end];
+        let cover = hulls[first..end].concat();
+        cost += at(first, end).cost;
+        first = end;
+        let needing = light.needing(frames.clone());
+        if needing.is_empty() {
+            continue;
+        }
+        let parts: Vec<&LightPart> = needing.iter().map(|f| &light.parts[*f]).collect();
+        let interval = fit_interval(asked, &light.light, &parts, cover, Look::Full)?;
+        segments.push(Segment { frames, needing, interval });
+    }
+    Ok(Segmentation { segments, cost })
+}
+
+/// The reason why the first single frame that has no matrix has none.
+fn refusal(asked: &Asked, light: &LightParts) -> Inapplicable {
+    let alone = |f: &usize| {
+        let part = &light.parts[*f];
+        fit_interval(asked, &light.light, &[part], part.cover.clone(), Look::Quick).err()
+    };
+    light.needing(0..light.parts.len()).iter().find_map(alone).unwrap_or(Inapplicable::NoFiniteFit)
+}
+
+/// What an interval costs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Valued {
+    /// Texels of its maps; infinite where there is no matrix, or none within the largest map.
+    texels: f64,
+    /// The objective, without the peak.
+    cost: f64,
+}
+
+fn valued(
+    asked: &Asked,
+    light: &LightParts,
+    params: &TemporalParams,
+    correction: f64,
+    frames: Range<usize>,
+    cover: Vec<DVec3>,
+) -> Valued {
+    let needing = light.needing(frames.clone());
+    let (Some(first), Some(last)) = (needing.first(), needing.last()) else { return Valued { texels: 0.0, cost: 0.0 } };
+    let parts: Vec<&LightPart> = needing.iter().map(|f| &light.parts[*f]).collect();
+    let Ok(interval) = fit_interval(asked, &light.light, &parts, cover, Look::Quick) else {
+        return Valued { texels: f64::INFINITY, cost: f64::INFINITY };
+    };
+    let texels = interval.texels * correction;
+    // A matrix that would need more than the largest map stands back behind any cut that needs less.
+    let over = (texels / largest(asked, &interval)).max(1.0);
+    let [at_first, at_last] = interval.wrong_at_ends;
+    let begins = light.parts[..*first].iter().any(|p| p.needed > 0);
+    let ends = light.parts[last + 1..].iter().any(|p| p.needed > 0);
+    let popping = at_first * f64::from(u8::from(begins)) + at_last * f64::from(u8::from(ends));
+    let times = match params.minimise {
+        Minimise::Drawn => light.draws(&needing),
+        Minimise::Sum => needing.len(),
+        Minimise::Peak => 0,
+    };
+    let cost = texels * times as f64 * over * over + params.change_cost * popping;
+    Valued { texels: texels * over * over, cost }
+}
+
+/// Most texels that an interval's maps may have.
+fn largest(asked: &Asked, interval: &Interval) -> f64 {
+    let side = f64::from(asked.map.max);
+    let of = |(aspect, share): (f64, f64)| side * side / (aspect.max(1.0 / aspect) * share);
+    let maps = interval.fitted.regions.iter().map(|r| r.aspect).zip(interval.fitted.shares.iter().copied());
+    maps.map(of).fold(f64::INFINITY, f64::min)
+}
+
+fn cut(blocks: usize, most: usize, minimise: Minimise, at: impl Fn(usize, usize) -> Valued) -> Option<(f64, Ends)> {
+    let cost = |first, end| at(first, end).cost;
+    match minimise {
+        Minimise::Drawn | Minimise::Sum => cheapest(blocks, most, cost),
+        Minimise::Peak => lowest_peak(blocks, most, |first, end| at(first, end).texels, cost),
+    }
+}
