@@ -124,7 +124,9 @@ fn files_and_table_say_what_was_measured() {
 #[test]
 fn exact_visibility_takes_part_with_its_samples() {
     let with = CompareParams {
-        methods: vec![Method::SceneOptimal, Method::Partitioned, Method::Irregular],
+        methods: [Method::SceneOptimal, Method::Partitioned, Method::Irregular]
+            .map(|m| Variant::plain(m, &SolverParams::default()))
+            .to_vec(),
         ..params(Question::Texels(4000), BiasChoice::Plan)
     };
     let found = run(&job(2), &with, 2);

@@ -4,10 +4,12 @@ use super::{BIAS_GRID, BiasChoice, CompareParams, Measured, PerLight, Question, 
 use crate::job::Job;
 use crate::math::Bounds;
 use crate::measure::Receivers;
-use crate::methods::{Inapplicable, Method, solve};
+use crate::methods::{Inapplicable, Method};
 use crate::plan::PlanError;
 use crate::raster::{Bias, RasterError};
-use crate::resolution::{FilmQuestion, FittedLight, Judge, certify, default_bias, fit_light, polish, predict, shares};
+use crate::resolution::{
+    FilmQuestion, FittedLight, Judge, certify, default_bias, fit_light, fit_texels, polish, predict,
+};
 use crate::samples::LightSamples;
 use crate::scene::{Camera, Film, Light};
 use crate::visibility::{RayOffset, Tracer, View};
@@ -23,7 +25,6 @@ pub(super) struct Case<'a> {
     pub(super) offset: RayOffset,
     pub(super) frame: i64,
     pub(super) light: &'a Light,
-    /// With every film pixel that a map has to hold among the covered points.
     pub(super) samples: &'a LightSamples,
     pub(super) receivers: &'a Receivers,
 }
@@ -93,11 +94,7 @@ fn fit(case: &Case, question: &FilmQuestion, params: &CompareParams) -> Result<F
     let Some(texels) = budget::texels(params.question) else {
         return fit_light(question, case.samples, Some(case.receivers));
     };
-    let mut inputs = question.inputs(case.samples, &case.samples.covered, texels, question.solver);
-    inputs.aspect = budget::aspect(params.question, question.map);
-    let regions = solve(question.solver.method, &inputs)?;
-    let (shares, covered) = (shares(&regions), case.samples.covered.clone());
-    Ok(FittedLight { shares, regions, texels, evaluations: 0, joined: 0, covered })
+    fit_texels(question, case.samples, case.receivers, texels, budget::aspect(params.question, question.map))
 }
 
 fn measure(

@@ -115,10 +115,7 @@ fn light(
     let answers =
         if view.grid.is_film() { Cow::from(&classified) } else { view.answers(tracer, camera, light, offset).into() };
     let lit = LightView { tracer, camera, view, light, offset, answers: &answers };
-    let mut samples = sample_light(&lit, job.sampling.refine, !outside_lit);
-    if !view.grid.is_film() {
-        samples.covered.extend(wanted);
-    }
+    let samples = sample_light(&lit, job.sampling.refine, !outside_lit);
     case.samples = samples.edges.len() as u64;
     case.seconds = start.elapsed().as_secs_f64();
     let given = Case {

@@ -49,6 +49,14 @@ pub struct FittedLight {
 }
 
 impl<'a> FilmQuestion<'a> {
+    /// The aspects that the job allows.
+    fn aspect(&self) -> Aspect {
+        match self.map.aspect {
+            AspectRule::Free if !self.map.square => Aspect::Free,
+            _ => Aspect::Fixed(1.0),
+        }
+    }
+
     /// What a method gets of this question.
     pub fn inputs(
         &self,
@@ -66,10 +74,7 @@ impl<'a> FilmQuestion<'a> {
             covered,
             clip: &[],
             texels,
-            aspect: match self.map.aspect {
-                AspectRule::Free if !self.map.square => Aspect::Free,
-                _ => Aspect::Fixed(1.0),
-            },
+            aspect: self.aspect(),
             shape: self.map.shape,
             solver,
             sample_cap: self.sample_cap,
@@ -88,35 +93,20 @@ const COVER_ROUNDS: u32 = 4;
 /// Most texels that a prediction considers: beyond any map.
 const TEXELS_MAX: f64 = 1e9;
 
-/// Fits a light's regions. `film` holds the exact answers of every film pixel, when they are to be measured.
+/// Fits a light's regions and finds the texels at which the prediction meets the bound. `film` holds the exact answers of
+/// every film pixel, when they are to be measured.
+///
+/// # Errors
+/// [`Inapplicable`]: why the method gives no map.
 pub fn fit_light(
     question: &FilmQuestion,
     samples: &LightSamples,
     film: Option<&Receivers>,
 ) -> Result<FittedLight, Inapplicable> {
-    let mut covered = samples.covered.clone();
-    let wanted: Vec<DVec3> = film.map(|f| f.positions_where(question.map.outside == Outside::Lit)).unwrap_or_default();
-    if covered.is_empty() {
-        covered.clone_from(&wanted);
-    }
-    let mut evaluations = 0;
-    let mut fit = |covered: &[DVec3], texels: f64| -> Result<Vec<Region>, Inapplicable> {
-        let regions = solve(question.solver.method, &question.inputs(samples, covered, texels, question.solver))?;
-        evaluations += regions.iter().map(|r| r.report.evaluations).sum::<u64>();
-        Ok(regions)
-    };
+    let mut cover = Cover::new(question, samples, film);
+    let aspect = question.aspect();
     let mut texels = FIRST_TEXELS;
-    let mut regions = fit(&covered, texels)?;
-    let mut joined = 0;
-    for _ in 0..COVER_ROUNDS {
-        let outside: Vec<DVec3> = wanted.iter().copied().filter(|p| !held(&regions, *p)).collect();
-        if outside.is_empty() {
-            break;
-        }
-        joined += outside.len() as u64;
-        covered.extend(outside);
-        regions = fit(&covered, texels)?;
-    }
+    let mut regions = cover.fit(texels, aspect)?;
     for _ in 0..SIZE_ROUNDS {
         let predicted = predicted_texels(question.quality, question.film, &regions, &shares(&regions));
         let close = (predicted / texels).max(texels / predicted) < SIZE_CLOSE;
@@ -124,10 +114,69 @@ pub fn fit_light(
         if close {
             break;
         }
-        regions = fit(&covered, texels)?;
+        regions = cover.fit(texels, aspect)?;
     }
-    let shares = shares(&regions);
-    Ok(FittedLight { regions, shares, texels, evaluations, joined, covered })
+    Ok(cover.fitted(regions, texels))
+}
+
+/// Fits a light's regions for a number of texels.
+///
+/// # Errors
+/// [`Inapplicable`]: why the method gives no map.
+pub fn fit_texels(
+    question: &FilmQuestion,
+    samples: &LightSamples,
+    film: &Receivers,
+    texels: f64,
+    aspect: Aspect,
+) -> Result<FittedLight, Inapplicable> {
+    let mut cover = Cover::new(question, samples, Some(film));
+    let regions = cover.fit(texels, aspect)?;
+    Ok(cover.fitted(regions, texels))
+}
+
+/// What the maps have to hold, as far as it is known.
+struct Cover<'a> {
+    question: &'a FilmQuestion<'a>,
+    samples: &'a LightSamples,
+    /// Every film pixel that has to be held.
+    wanted: Vec<DVec3>,
+    /// Those of the samples, and the film pixels that joined them.
+    covered: Vec<DVec3>,
+    joined: u64,
+    evaluations: u64,
+}
+
+impl<'a> Cover<'a> {
+    fn new(question: &'a FilmQuestion<'a>, samples: &'a LightSamples, film: Option<&Receivers>) -> Cover<'a> {
+        let wanted: Vec<DVec3> =
+            film.map(|f| f.positions_where(question.map.outside == Outside::Lit)).unwrap_or_default();
+        let covered = if samples.covered.is_empty() { wanted.clone() } else { samples.covered.clone() };
+        Cover { question, samples, wanted, covered, joined: 0, evaluations: 0 }
+    }
+
+    /// Regions that hold everything wanted: what lies outside joins the cover.
+    fn fit(&mut self, texels: f64, aspect: Aspect) -> Result<Vec<Region>, Inapplicable> {
+        let FilmQuestion { solver, .. } = *self.question;
+        for round in 0.. {
+            let inputs = Inputs { aspect, ..self.question.inputs(self.samples, &self.covered, texels, solver) };
+            let regions = solve(solver.method, &inputs)?;
+            self.evaluations += regions.iter().map(|r| r.report.evaluations).sum::<u64>();
+            let outside: Vec<DVec3> = self.wanted.iter().copied().filter(|p| !held(&regions, *p)).collect();
+            if outside.is_empty() || round == COVER_ROUNDS {
+                return Ok(regions);
+            }
+            self.joined += outside.len() as u64;
+            self.covered.extend(outside);
+        }
+        Err(Inapplicable::NoFiniteFit)
+    }
+
+    fn fitted(self, regions: Vec<Region>, texels: f64) -> FittedLight {
+        let shares = shares(&regions);
+        let Cover { covered, joined, evaluations, .. } = self;
+        FittedLight { regions, shares, texels, evaluations, joined, covered }
+    }
 }
 
 /// The prediction of all regions at a number of texels in all.

@@ -12,7 +12,9 @@ mod sizes;
 
 pub use bias::{default_bias, measured_bias};
 pub use certify::{Certified, Trial, certify, grid_of, predict_only, predicted_at_quantile, trial};
-pub use fitted::{FilmQuestion, FittedLight, bound_limit, fit_light, predict, predicted_bound, predicted_texels};
+pub use fitted::{
+    FilmQuestion, FittedLight, bound_limit, fit_light, fit_texels, predict, predicted_bound, predicted_texels,
+};
 pub use judge::{Judge, JudgedMap};
 pub use params::{AspectRule, BiasParams, Bound, MapParams, Measure, QualityParams, SIZE_MAX, SingleSided};
 pub use polish::polish;

@@ -11,7 +11,7 @@ use super::shares::measured_shares;
 use super::{FilmQuestion, FittedLight, SizeGrid};
 use crate::depth::Visible;
 use crate::math::{Domain, first_holding};
-use crate::measure::Receivers;
+use crate::measure::{Outside, Receivers};
 use crate::methods::{Inputs, Method, Region, SolverParams, neighbours, solve};
 use crate::metric::Metric;
 use crate::raster::RasterError;
@@ -50,6 +50,12 @@ pub fn polish(
     for point in &fitted.covered {
         if let Some(k) = first(*point) {
             covered[k].push(*point);
+        }
+    }
+    if fitted.regions.len() > 1 {
+        // The cover leaves out what lies between its points; parted, they may have a border between them.
+        for (covered, own) in covered.iter_mut().zip(&own) {
+            covered.extend(own.positions_where(question.map.outside == Outside::Lit));
         }
     }
     let mut measured = 0;
