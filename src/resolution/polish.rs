@@ -103,6 +103,10 @@ impl Part<'_> {
             variant(Method::Lixel, Metric::Displacement).filter(|_| solver.metric != Metric::Displacement),
             variant(Method::Lixel, Metric::Saturating).filter(|_| solver.metric != Metric::Saturating),
             variant(Method::SceneOptimal, Metric::L2),
+            variant(Method::Lixel, Metric::L2),
+            variant(Method::Lispsm, Metric::L2),
+            variant(Method::Tsm, Metric::L2),
+            variant(Method::Focused, Metric::L2),
         ];
         better(judge, others.into_iter().flatten().collect(), &mut best)?;
         let rounds = solver.measured_rounds;
