@@ -18,7 +18,6 @@ use lixel::fit::{Aspect, Shape, fit_affine};
 use lixel::math::support_subset;
 use lixel::methods::{Inputs, Method, SolverParams, solve};
 use lixel::metric::{Metric, Moments, cost_and_moments, moments_of};
-use lixel::samples::SamplingParams;
 use synthetic::Scene;
 
 /// Edge samples of a coarse and of a full look at a frame.
@@ -40,8 +39,6 @@ fn main() {
         let standard = SolverParams::default();
         race(&scene, "saturating, standard, all samples", &standard, count, rounds);
         race(&scene, "L2, as the rival", &SolverParams { metric: Metric::L2, ..standard.clone() }, count, rounds);
-        let cap = SamplingParams::default().cap as usize;
-        race(&scene, "saturating, standard, its cap", &standard, cap, rounds);
     }
 }
 

@@ -4,7 +4,7 @@
 //! As fast as we can write it: one conversion of the samples into arrays of what the sums need, four sums side by side
 //! so that the compiler can vectorise, no allocation per candidate, no bounds check in a sum.
 
-use glam::{DQuat, DVec2, DVec3};
+use glam::{DMat3, DQuat, DVec2, DVec3};
 use lixel::fit::normalise_similar;
 use lixel::math::{LightSpace, convex_hull, det3};
 use lixel::methods::{Inputs, Method, solve};
@@ -38,10 +38,15 @@ pub(crate) fn scene_optimal(inputs: &Inputs) -> Option<Answer> {
     let hull = convex_hull(&points);
     let normalisation = normalise_similar(&hull)?;
     let hull: Vec<DVec2> = hull.iter().map(|p| normalisation.point(*p)).collect();
+    let normal_from_scene =
+        normalisation.normal_from_plane * DMat3::from_cols(space.dq(DVec3::X), space.dq(DVec3::Y), space.dq(DVec3::Z));
+    let of_centre = normalisation.normal_from_plane * space.offset;
     let mut blocks = vec![Block::default(); inputs.edges.len().div_ceil(LANES)];
     for (block, edges) in blocks.iter_mut().zip(inputs.edges.chunks(LANES)) {
         for (lane, edge) in edges.iter().enumerate() {
-            let (q, t) = normalisation.vectors(space.q(edge.position), edge.derivatives.map(|d| space.dq(d)));
+            // A parallel light: q3 = 1.
+            let q = normal_from_scene * (edge.position - space.center) + of_centre;
+            let t = edge.derivatives.map(|d| normal_from_scene * d);
             let volume = q.dot(t[0].cross(t[1]));
             block.q[0][lane] = q.x;
             block.q[1][lane] = q.y;

@@ -121,7 +121,7 @@ impl<'a> Kept<'a> {
         tracer.walk(|part| match part {
             Part::Box(corners) => {
                 (!bar.is_finite() || most(row, corners) > 0.0)
-                    && !self.scene_planes.iter().any(|plane| most(*plane, corners) < 0.0)
+                    && self.scene_planes.iter().all(|plane| most(*plane, corners) >= 0.0)
             }
             Part::Triangle(index) => {
                 polygon.clip(geometry.triangle_f64(index).map(|p| self.vector(p)), &self.planes);
@@ -140,6 +140,21 @@ impl<'a> Kept<'a> {
     }
 }
 
+#[cfg(test)]
+impl Kept<'_> {
+    /// Every kept corner of every triangle.
+    pub(super) fn list(&self) -> Vec<DVec4> {
+        let geometry = self.tracer.geometry();
+        let mut polygon = Polygon::default();
+        let mut all = Vec::new();
+        for index in 0..geometry.len() as u32 {
+            polygon.clip(geometry.triangle_f64(index).map(|p| self.vector(p)), &self.planes);
+            all.extend(polygon.corners.iter().filter(|v| self.w(**v) > 0.0));
+        }
+        all
+    }
+}
+
 /// Scratch of clipping.
 #[derive(Default)]
 struct Polygon {
@@ -153,8 +168,7 @@ impl Polygon {
         self.corners.clear();
         self.corners.extend(triangle);
         for plane in planes {
-            let distances = |c: &DVec4| plane.dot(*c) >= 0.0;
-            if self.corners.iter().all(distances) {
+            if self.corners.iter().all(|c| plane.dot(*c) >= 0.0) {
                 continue;
             }
             self.clipped.clear();

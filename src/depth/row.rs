@@ -158,3 +158,97 @@ fn solve(chosen: &[DVec4], sign: f64) -> Option<(DVec4, f64)> {
     let constant = solution.var_value(a0);
     (solved.is_finite() && constant.is_finite()).then_some((solved, constant))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::depth::Visible;
+    use crate::math::{Domain, LightSpace};
+    use crate::scene::{Geometry, Light, LightKind, Triangle};
+    use crate::visibility::{Bvh, Tracer};
+    use glam::{DMat3, DVec3, Vec3};
+
+    /// Hills, and triangles afloat above them.
+    fn triangles() -> Vec<Triangle> {
+        let at = |i: u32, k: u32| {
+            let (x, z) = (i as f32 * 0.25 - 5.0, k as f32 * 0.25 - 5.0);
+            Vec3::new(x, (x * 1.3).sin() * 0.4 + (z * 0.9).cos() * 0.3, z)
+        };
+        let cells = (0..40).flat_map(|i| (0..40).map(move |k| (i, k)));
+        let mut triangles: Vec<Triangle> = cells
+            .flat_map(|(i, k)| [[at(i, k), at(i + 1, k), at(i, k + 1)], [at(i + 1, k), at(i + 1, k + 1), at(i, k + 1)]])
+            .collect();
+        for i in 0..60 {
+            let f = i as f32;
+            let p = Vec3::new((f * 1.7).sin() * 6.0, 1.0 + (f * 0.61).sin().abs() * 4.0, (f * 2.3).cos() * 6.0);
+            triangles.push([p, p + Vec3::new(0.9, 0.2 * f.cos(), 0.1), p + Vec3::new(0.1, 0.3, 0.8)]);
+        }
+        triangles
+    }
+
+    fn warps() -> [DMat3; 3] {
+        let rows = |p1: DVec3, p2: DVec3, p4: DVec3| DMat3::from_cols(p1, p2, p4).transpose();
+        let (p1, p2) = (DVec3::new(0.11, 0.02, 0.5), DVec3::new(-0.01, 0.13, 0.45));
+        [
+            rows(p1, p2, DVec3::Z),
+            rows(p1, p2, DVec3::new(0.03, -0.02, 1.0)),
+            rows(p1 * 4.0, p2 * 4.0, DVec3::new(0.1, 0.05, 1.0)),
+        ]
+    }
+
+    /// The row from searches equals the one from a list of everything kept.
+    #[test]
+    fn searches_find_what_a_list_holds() {
+        let triangles = triangles();
+        let geometry = Geometry { still: &triangles, moving: &[] };
+        let bvh = Bvh::build(&triangles);
+        let tracer = Tracer::new(geometry, &bvh, None);
+        let visible: Vec<DVec3> = (0..3200).map(|i| geometry.triangle_f64(i).iter().sum::<DVec3>() / 3.0).collect();
+        let visible = Visible::new(&visible);
+        let kinds = [
+            LightKind::Directional { direction: DVec3::new(0.4, -1.0, 0.2).normalize() },
+            LightKind::Point { position: DVec3::new(2.0, 9.0, -3.0), range: None },
+        ];
+        let mut flat = 0;
+        for (kind, h) in kinds.into_iter().flat_map(|kind| warps().map(|h| (kind, h))) {
+            let light = Light { name: "l".into(), kind };
+            let space = LightSpace::around(&light, &[DVec3::new(-3.0, 0.0, -3.0), DVec3::new(3.0, 0.0, 3.0)]).unwrap();
+            // Rows for q of the size of the scene: a perspective plane's q is some nine times a directional one's.
+            let h = if space.directional { h } else { h * DMat3::from_diagonal(DVec3::new(1.0, 1.0, 1.0 / 9.0)) };
+            let kept = Kept::new(&tracer, &space, &h, &visible, &Domain::All);
+            let plain = h.row(2).truncate() == glam::DVec2::ZERO;
+            let row = fit_row(&kept, plain).unwrap();
+            let list = kept.list();
+            assert!(list.len() > 100, "{}", list.len());
+            let rows = h.row(2);
+            let w = |v: &DVec4| v.truncate().dot(rows);
+            // The row on v: back from its row on (X, 1).
+            let on_q = DVec3::from_array(space.axes.map(|r| r.dot(row.row.truncate())));
+            let constant = row.row.w + row.row.truncate().dot(space.center);
+            let alpha = if space.directional {
+                DVec4::new(on_q.x, on_q.y, constant, on_q.z)
+            } else {
+                on_q.extend(constant - on_q.dot(space.offset))
+            };
+            let ends = |f: &dyn Fn(&DVec4) -> f64| {
+                list.iter().map(f).fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), z| (lo.min(z), hi.max(z)))
+            };
+            let (lo, hi) = ends(&|v| alpha.dot(*v) / w(v));
+            assert!((-1.0..-0.9999).contains(&lo) && (0.9999..=1.0).contains(&hi), "{lo} {hi}");
+            let (near, far) = ends(&|v| if space.directional { v.w } else { w(v) / rows.length() });
+            let accuracy = (far - near) * VIOLATION;
+            assert!((row.near_m - near).abs() <= accuracy && (row.far_m - far).abs() <= accuracy);
+            // The linear program over all.
+            let keep = if plain { DVec4::W } else { DVec4::ONE };
+            let y: Vec<DVec4> = list.iter().map(|v| *v / w(v) * keep).collect();
+            let sign = if space.directional { 1.0 } else { -1.0 };
+            let (a, a0) = solve(&y, sign).unwrap();
+            let (lo, hi) =
+                y.iter().map(|v| a.dot(*v) + a0).fold((1.0, -1.0), |(l, h): (f64, f64), z| (l.min(z), h.max(z)));
+            let best = a.w / ((hi - lo) * 0.5);
+            assert!((alpha.w / best - 1.0).abs() < 1e-3, "{} {best}", alpha.w);
+            flat += usize::from(plain);
+        }
+        assert_eq!(flat, 2);
+    }
+}

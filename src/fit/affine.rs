@@ -162,7 +162,7 @@ impl AffineProblem {
         if axes.len() < 3 {
             axes.extend([self.axis(0.0), self.axis(std::f64::consts::FRAC_PI_2)]);
         }
-        let mut best: Option<AffineFit> = None;
+        let mut best: Option<(f64, [DVec2; 2], f64)> = None;
         // h sin² ≥ 2 W(t1) W(t2) √(g(t1) g(t2)) / D² for every R1/R2: most pairs go without a division.
         let mut bound = f64::INFINITY;
         let mut consider = |a: &Axis, b: &Axis| {
@@ -171,10 +171,10 @@ impl AffineProblem {
                 return;
             }
             if let Some((value, ratio)) = self.combine(a, b, aspect)
-                && best.is_none_or(|f| value < f.value)
+                && best.is_none_or(|(least, ..)| value < least)
             {
                 bound = 0.5 * value * self.det2;
-                best = Some(AffineFit { value, angles: [a.n.to_angle(), b.n.to_angle()], aspect: ratio });
+                best = Some((value, [a.n, b.n], ratio));
             }
         };
         if shape == Shape::Rectangle {
@@ -183,20 +183,20 @@ impl AffineProblem {
                 consider(a, &across);
                 consider(&across, a);
             }
-            return best;
-        }
-        // The axis of least W √g with all others first: a good bound from the start.
-        let least = (1..axes.len()).fold(0, |l, i| if axes[i].least < axes[l].least { i } else { l });
-        axes.swap(0, least);
-        for (i, a) in axes.iter().enumerate() {
-            for b in &axes[i + 1..] {
-                consider(a, b);
-                if aspect != Aspect::Free {
-                    consider(b, a);
+        } else {
+            // The axis of least W √g with all others first: a good bound from the start.
+            let least = (1..axes.len()).fold(0, |l, i| if axes[i].least < axes[l].least { i } else { l });
+            axes.swap(0, least);
+            for (i, a) in axes.iter().enumerate() {
+                for b in &axes[i + 1..] {
+                    consider(a, b);
+                    if aspect != Aspect::Free {
+                        consider(b, a);
+                    }
                 }
             }
         }
-        best
+        best.map(|(value, normals, aspect)| AffineFit { value, angles: normals.map(DVec2::to_angle), aspect })
     }
 
     /// The value of given angles.

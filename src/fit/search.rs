@@ -22,9 +22,8 @@ const SIMPLEX_EVALUATIONS: u32 = 200;
 /// The polar grid: directions, and parts of the way to the border.
 const GRID_DIRECTIONS: u32 = 16;
 const GRID_FRACTIONS: [f64; 6] = [0.2, 0.45, 0.65, 0.8, 0.9, 0.96];
-/// Points of the grid, those of least bound, whose affine part is found.
-const LOCAL_LOOKS: usize = 8;
-const GLOBAL_LOOKS: usize = 24;
+/// Points of the grid, those of least bound, whose affine part a local search finds; a global one takes all.
+const LOCAL_LOOKS: usize = 24;
 
 /// What is minimised, and over what.
 #[derive(Clone, Copy, Debug)]
@@ -122,7 +121,7 @@ pub fn minimise(problem: &FitProblem, effort: Effort, tolerance: f64, starts: &[
     let mut seeds: Vec<(f64, DVec2)> = starts.iter().map(|ab| (value_at(*ab), *ab)).collect();
     let (looks, simplices) = match effort {
         Effort::Local => (LOCAL_LOOKS, 1),
-        Effort::Global | Effort::Exhaustive => (GLOBAL_LOOKS, 3),
+        Effort::Global | Effort::Exhaustive => (usize::MAX, 3),
     };
     if starts.is_empty() || effort != Effort::Local {
         // The bound costs a tenth of the affine step and ranks nearly as it does.

@@ -59,6 +59,9 @@ fn outer(points: &[DVec2]) -> Vec<DVec2> {
     let rounding = 16.0 * f64::EPSILON * size * size;
     let edges: [(DVec2, DVec2); 8] = std::array::from_fn(|k| (corners[k], corners[(k + 1) % 8] - corners[k]));
     let sides = edges.iter().filter(|(_, edge)| *edge != DVec2::ZERO);
+    if sides.clone().next().is_none() {
+        return finite().collect();
+    }
     let inside = |p: &DVec2| sides.clone().all(|(corner, edge)| edge.perp_dot(*p - *corner) > rounding);
     finite().filter(|p| !inside(p)).collect()
 }

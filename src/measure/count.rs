@@ -173,3 +173,48 @@ fn answer_of(looked: Looked, outside: Outside) -> bool {
         Looked::Outside => outside == Outside::Shadowed,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec4;
+
+    /// A shortened count says the same as a full one, for one map and for several.
+    #[test]
+    fn a_limited_count_is_the_count_or_nothing() {
+        let (width, height) = (61, 53);
+        let depth = (0..width * height).map(|i| (i * 7919 % 101) as f32 / 100.0).collect();
+        let clip_from_scene = DMat4::from_cols(
+            DVec4::new(1.1, 0.2, 0.1, 0.1),
+            DVec4::new(-0.3, 0.9, 0.4, -0.2),
+            DVec4::new(0.2, 0.1, 0.7, 0.1),
+            DVec4::new(0.05, -0.1, 0.2, 0.9),
+        );
+        let drawn = Drawn { domain: Domain::All, clip_from_scene, map: DepthMap { width, height, depth } };
+        let face = Domain::CubeFace { position: DVec3::ZERO, axes: DVec3::AXES, axis: 0, positive: true };
+        let at =
+            |i: u32, k: u32| f64::from(i.wrapping_mul(2_654_435_761).wrapping_mul(k) >> 8) / f64::from(1 << 23) - 1.0;
+        let mut receivers = Receivers::default();
+        for i in 0..30_000 {
+            receivers.pixels.push(i);
+            receivers.positions.push(DVec3::new(at(i, 3), at(i, 5), at(i, 7)));
+            receivers.shadowed.push(at(i, 11) > 0.0);
+        }
+        for maps in [vec![drawn.clone()], vec![Drawn { domain: face, ..drawn.clone() }, drawn]] {
+            for outside in [Outside::Lit, Outside::Shadowed] {
+                let one_by_one: Vec<u32> = (0..receivers.len())
+                    .filter(|&i| answer_of(look_up(&maps, receivers.positions[i]), outside) != receivers.shadowed[i])
+                    .map(|i| i as u32)
+                    .collect();
+                let all = one_by_one.len() as u64;
+                assert!(all > 1000);
+                assert_eq!(wrong(&receivers, &maps, outside), one_by_one);
+                assert_eq!(count(&receivers, &maps, outside).wrong(), all);
+                for (limit, found) in [(u64::MAX, Some(all)), (all + 1, Some(all)), (all, None), (100, None), (0, None)]
+                {
+                    assert_eq!(fewer_wrong(&receivers, &maps, outside, limit), found);
+                }
+            }
+        }
+    }
+}

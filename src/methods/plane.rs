@@ -5,7 +5,7 @@ use crate::fit::{Normalisation, normalise, normalise_similar};
 use crate::math::{LightSpace, convex_hull};
 use crate::metric::{EdgeSamples, volume};
 use crate::samples::EdgePoint;
-use glam::{DVec2, DVec3};
+use glam::{DMat3, DVec2, DVec3};
 
 /// Smallest |V| relative to |q| |T_1| |T_2|: a receiver nearer to edge-on is left out, and counted. At 1e-7 a texel is
 /// spread over ten million pixels' worth of surface; f64 sums still hold its square.
@@ -24,10 +24,16 @@ pub(super) fn edge_samples(
     let scale = points.len() as f64 / count.max(1) as f64;
     let mut samples = EdgeSamples::with_capacity(count);
     let mut grazing = 0;
+    // Light plane and normalisation in one matrix, about the plane's centre; its last row gives q3.
+    let normal_from_scene =
+        normalisation.normal_from_plane * DMat3::from_cols(space.dq(DVec3::X), space.dq(DVec3::Y), space.dq(DVec3::Z));
+    let of_centre = normalisation.normal_from_plane * space.offset;
     for k in 0..count {
         let point = &points[k * points.len() / count];
-        let in_plane = space.q(point.position);
-        let (q, t) = normalisation.vectors(in_plane, point.derivatives.map(|d| space.dq(d)));
+        let in_plane = normal_from_scene * (point.position - space.center) + of_centre;
+        let scale_q = 1.0 / in_plane.z;
+        let q = in_plane * scale_q;
+        let t = point.derivatives.map(|d| normal_from_scene * d * scale_q);
         let size = (q.length_squared() * t[0].length_squared() * t[1].length_squared()).sqrt();
         let volume = volume(q, t, size);
         if !(q.is_finite() && volume.abs() > GRAZING * size) || in_plane.z <= 0.0 {

@@ -72,24 +72,6 @@ impl EdgeSamples {
         self.room_px.push(room_px);
     }
 
-    /// At most `count` of the samples, evenly spread, with lengths scaled to keep their sum.
-    pub fn thinned(&self, count: usize) -> EdgeSamples {
-        let count = count.min(self.len());
-        let picks = (0..count).map(|k| k * self.len() / count);
-        let mut thin = EdgeSamples::with_capacity(count);
-        for i in picks {
-            thin.q.push(self.q[i]);
-            thin.t.push(self.t[i]);
-            thin.inverse_volume.push(self.inverse_volume[i]);
-            thin.edge_vector.push(self.edge_vector[i]);
-            thin.length_px.push(self.length_px[i]);
-            thin.room_px.push(self.room_px[i]);
-        }
-        let scale = self.length_px.iter().sum::<f64>() / thin.length_px.iter().sum::<f64>();
-        thin.length_px.iter_mut().for_each(|length| *length *= scale);
-        thin
-    }
-
     /// c_1 and c_2 of a sample.
     pub fn footprint_vectors(&self, i: usize) -> [DVec3; 2] {
         [self.t[i][0].cross(self.q[i]), self.t[i][1].cross(self.q[i])]
