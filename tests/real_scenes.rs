@@ -47,6 +47,8 @@ fn load(file: &Path, more: &str) -> LoadedJob {
 fn shot(loaded: &LoadedJob) -> Result<(usize, Vec<i64>), SceneError> {
     let shot = lixel::scene::load(&lixel::scene::ShotParams {
         scene: &loaded.scene_paths(),
+        active_scene: loaded.job.active_scene.as_deref(),
+        animation: loaded.job.animation.as_deref(),
         frames: &loaded.job.frames,
         image: &loaded.job.image,
         camera: &loaded.job.camera,

@@ -12,6 +12,7 @@ mod layers;
 mod load;
 mod locate;
 
+use std::marker::PhantomData;
 use std::path::{Path, PathBuf};
 
 use schemars::JsonSchema;
@@ -37,6 +38,13 @@ pub struct Job {
     #[serde(deserialize_with = "one_or_many")]
     #[schemars(with = "OneOrMany")]
     pub scene: Vec<PathBuf>,
+    /// Which scene of glTF files that hold several; absent = each file's default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub active_scene: Option<String>,
+    /// Names of the animations that play, one or a list; [] = none; absent = all that drive different things, in file order.
+    #[serde(deserialize_with = "maybe_one_or_many", skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Option<OneOrMany>")]
+    pub animation: Option<Vec<String>>,
     /// The settings that the job and the command line are laid over.
     pub preset: Preset,
     /// Which moments are planned.
@@ -58,38 +66,43 @@ pub struct Job {
     pub solver: SolverParams,
 }
 
-/// The two ways of writing `scene`, for the schema only.
+/// The two ways of writing `scene` and `animation`, for the schema only.
 #[derive(JsonSchema)]
 #[schemars(untagged)]
 #[expect(dead_code, reason = "never built: it describes what `one_or_many` accepts")]
 enum OneOrMany {
-    One(PathBuf),
-    Many(Vec<PathBuf>),
+    One(String),
+    Many(Vec<String>),
 }
 
 /// Reads a string or a list of strings. A visitor rather than an untagged enum: those lose the line of an error.
-fn one_or_many<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<PathBuf>, D::Error> {
-    struct Paths;
-    impl<'de> Visitor<'de> for Paths {
-        type Value = Vec<PathBuf>;
+fn one_or_many<'de, D: Deserializer<'de>, T: From<String>>(deserializer: D) -> Result<Vec<T>, D::Error> {
+    struct Texts<T>(PhantomData<T>);
+    impl<'de, T: From<String>> Visitor<'de> for Texts<T> {
+        type Value = Vec<T>;
 
         fn expecting(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
-            f.write_str("a file name or a list of file names")
+            f.write_str("a name or a list of names")
         }
 
-        fn visit_str<E: de::Error>(self, path: &str) -> Result<Self::Value, E> {
-            Ok(vec![PathBuf::from(path)])
+        fn visit_str<E: de::Error>(self, text: &str) -> Result<Self::Value, E> {
+            Ok(vec![T::from(text.to_owned())])
         }
 
         fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Self::Value, A::Error> {
-            let mut paths = Vec::new();
-            while let Some(path) = seq.next_element()? {
-                paths.push(path);
+            let mut texts = Vec::new();
+            while let Some(text) = seq.next_element::<String>()? {
+                texts.push(T::from(text));
             }
-            Ok(paths)
+            Ok(texts)
         }
     }
-    deserializer.deserialize_any(Paths)
+    deserializer.deserialize_any(Texts(PhantomData))
+}
+
+/// As [`one_or_many`], where a key may be missing.
+fn maybe_one_or_many<'de, D: Deserializer<'de>, T: From<String>>(d: D) -> Result<Option<Vec<T>>, D::Error> {
+    one_or_many(d).map(Some)
 }
 
 /// Extensions of scene files, lower case.

@@ -14,6 +14,8 @@ use crate::visibility::{Bvh, RayOffset, Tracer, see};
 pub(crate) fn load_shot(job: &LoadedJob) -> Result<Shot, PlanError> {
     let params = ShotParams {
         scene: &job.scene_paths(),
+        active_scene: job.job.active_scene.as_deref(),
+        animation: job.job.animation.as_deref(),
         frames: &job.job.frames,
         image: &job.job.image,
         camera: &job.job.camera,
@@ -83,5 +85,8 @@ pub fn make(loaded: &LoadedJob, plan_dir: &Path, timings: bool, watch: &Watch) -
     let inputs = hash_inputs(&shot.scene.inputs, plan_dir)?;
     let mut resolved = loaded.job.clone();
     resolved.scene = loaded.scene_paths().iter().map(|p| relative_path(p, plan_dir).into()).collect();
+    if !shot.scene.animations.is_empty() {
+        resolved.animation = Some(shot.scene.animations.clone());
+    }
     Ok(Plan::new(PlannedJob { job: resolved, inputs }, shot.scene.origin.to_array(), frames))
 }

@@ -8,6 +8,8 @@ use glam::DVec3;
 pub(super) struct MeshBuilder {
     /// So far.
     pub mesh: Mesh,
+    /// True for a mesh that deforms: a triangle without area at rest may get one.
+    pub deforms: bool,
     /// Triangles left out because they have no area.
     pub degenerate: usize,
 }
@@ -30,11 +32,12 @@ pub(super) enum MeshFlaw {
 const UNUSED: u32 = u32::MAX;
 
 impl MeshBuilder {
-    /// Adds triangles that index `vertices`.
+    /// Adds triangles that index `vertices`; returns the indices of those that the mesh took over, in its order.
     ///
     /// # Errors
     /// The first [`MeshFlaw`]; vertices that no triangle uses are not looked at.
-    pub(super) fn add(&mut self, vertices: &[DVec3], triangles: &[[u32; 3]]) -> Result<(), MeshFlaw> {
+    pub(super) fn add(&mut self, vertices: &[DVec3], triangles: &[[u32; 3]]) -> Result<Vec<u32>, MeshFlaw> {
+        let mut taken = Vec::new();
         let mut place_of = vec![UNUSED; vertices.len()];
         for triangle in triangles {
             let mut corners = [DVec3::ZERO; 3];
@@ -45,7 +48,9 @@ impl MeshBuilder {
                     return Err(MeshFlaw::NotFinite { index, vertex: *corner });
                 }
             }
-            if !has_area(corners) {
+            let [a, b, c] = *triangle;
+            let collapsed = a == b || b == c || c == a;
+            if collapsed || !self.deforms && !has_area(corners) {
                 self.degenerate += 1;
                 continue;
             }
@@ -58,12 +63,13 @@ impl MeshBuilder {
                         return Err(MeshFlaw::TooLarge);
                     }
                     self.mesh.vertices.push(corner);
+                    taken.push(index);
                 }
                 *kept = *place;
             }
             self.mesh.triangles.push(kept);
         }
-        Ok(())
+        Ok(taken)
     }
 }
 

@@ -1,7 +1,9 @@
 //! Files → an immutable, fully resolved [`Scene`]; `Scene::frame(t)` → camera, lights, moving triangles.
 //!
 //! Readers (`gltf/`, `obj`) fill a `model`; `camera_source`, `light_source` and `frames` settle what the job leaves open;
-//! `bake` poses the model, tells still from moving parts, chooses the origin and makes triangles; `shot` runs the stage.
+//! `clip` chooses the animations that play; `split` poses the model at all frames and tells still from moving parts,
+//! `rig` says where the vertices of a part are (nodes, instances, skins, morph targets), `bake` chooses the origin and makes
+//! triangles; `shot` runs the stage.
 //!
 //! After this stage there are no nodes, no accessors, no units, no keyframes: only triangles in scene space.
 
@@ -9,6 +11,7 @@ mod bake;
 mod camera;
 mod camera_pose;
 mod camera_source;
+mod clip;
 mod error;
 mod frames;
 mod gltf;
@@ -21,7 +24,9 @@ mod obj;
 mod params;
 mod polygon;
 mod pose;
+mod rig;
 mod shot;
+mod split;
 mod track;
 
 pub use camera::{Camera, Film, Projection};

@@ -1,13 +1,17 @@
 //! Files and parameters → a [`Shot`]: the scene, the film and the frames to plan.
 
-use super::bake::{self, Bounds, Split, place_part};
+use super::bake::{self, Bounds, place_part};
 use super::camera_source::{self, CameraSource, Surroundings};
 use super::frames::{self, DEFAULT_FPS, FrameTime};
 use super::light_source::{self, LightSource};
-use super::model::{Mesh, Model, Node, Part};
+use super::model::{Mesh, Model, Node, Part, Skin};
+use super::names::list;
 use super::pose::Pose;
-use super::{CameraParams, Film, FramesParams, ImageParams, LightParams, SceneError, SceneFrame, Triangle, gltf, obj};
-use glam::DVec3;
+use super::rig::Rig;
+use super::split::{self, Split};
+use super::{CameraParams, Film, FramesParams, ImageParams, LightParams, SceneError, SceneFrame, Triangle};
+use super::{clip, gltf, obj};
+use glam::{DAffine3, DVec3};
 use std::path::PathBuf;
 
 /// Width of the film where the job gives no size, pixels.
@@ -22,6 +26,10 @@ const MAX_SIDE: u32 = 65_535;
 pub struct ShotParams<'a> {
     /// Scene files, resolved; merged into one scene.
     pub scene: &'a [PathBuf],
+    /// `active_scene`: of glTF files that hold several; `None` = each file's default.
+    pub active_scene: Option<&'a str>,
+    /// `animation`: names of the animations that play; `None` = all that go together.
+    pub animation: Option<&'a [String]>,
     /// `[frames]`.
     pub frames: &'a FramesParams,
     /// `[image]`.
@@ -54,8 +62,12 @@ pub struct Scene {
     pub inputs: Vec<PathBuf>,
     /// Remarks for the user, each once: what was ignored or dropped.
     pub notes: Vec<String>,
+    /// Names of the animations that play.
+    pub animations: Vec<String>,
     nodes: Vec<Node>,
     meshes: Vec<Mesh>,
+    skins: Vec<Skin>,
+    instances: Vec<DAffine3>,
     moving: Vec<Part>,
     animated: Vec<usize>,
     first: Pose,
@@ -66,22 +78,23 @@ pub struct Scene {
 /// Reads the files and settles camera, lights, frames and film.
 ///
 /// # Errors
-/// Any [`SceneError`]: unreadable or broken files, features not supported yet, an unsettled choice of camera or lights,
-/// keys that make no sense, transforms that break at some frame of the shot.
+/// Any [`SceneError`]: unreadable or broken files, features not supported yet, an unsettled choice of camera, lights,
+/// animations or glTF scene, keys that make no sense, transforms that break at some frame of the shot.
 pub fn load(params: &ShotParams<'_>) -> Result<Shot, SceneError> {
-    let mut model = read_all(params.scene)?;
+    let mut model = read_all(params.scene, params.active_scene)?;
+    let played = clip::play(params.animation, &mut model)?;
     let fps = params.frames.fps.unwrap_or(DEFAULT_FPS);
     if !(fps > 0.0 && fps.is_finite()) {
         return Err(SceneError::bad_value("frames.fps", fps, "must be positive"));
     }
-    let frames = frame_times(params, &model, fps)?;
+    let frames = frame_times(params, played.last_key_s, fps)?;
     let lights = light_source::choose(params.lights, &model)?;
 
-    let split = bake::split(&model, &frames)?;
+    let split = split::split(&model, &frames)?;
     let origin = bake::origin(&split.bounds);
     let first_s = frames.first().map_or(0.0, |frame| frame.time_s);
     let still = bake_still(&mut model, &split, origin, first_s)?;
-    let moving = posed_triangles(&model.nodes, &model.meshes, &split.moving, &split.first, origin, first_s)?;
+    let moving = posed_triangles(Rig::of(&model), &split.moving, &split.first, origin, first_s)?;
     if still.is_empty() && moving.is_empty() {
         let files: Vec<String> = params.scene.iter().map(|path| path.display().to_string()).collect();
         return Err(SceneError::NoTriangles { files: files.join(", ") });
@@ -91,7 +104,7 @@ pub fn load(params: &ShotParams<'_>) -> Result<Shot, SceneError> {
     let camera = camera_source::choose(params.camera, &model, fps, film_of_poses.aspect(), &around)?;
     let film = film(params.image, camera.aspect())?;
 
-    let Model { nodes, mut meshes, inputs, notes, .. } = model;
+    let Model { nodes, mut meshes, skins, instances, inputs, notes, .. } = model;
     let mut kept = vec![false; meshes.len()];
     for part in &split.moving {
         kept[part.mesh] = true;
@@ -100,13 +113,18 @@ pub fn load(params: &ShotParams<'_>) -> Result<Shot, SceneError> {
         *mesh = Mesh::default();
     }
     let Split { moving, animated, first, .. } = split;
-    let scene = Scene { origin, still, inputs, notes, nodes, meshes, moving, animated, first, camera, lights };
+    let animations = played.names;
+    #[rustfmt::skip]
+    let scene = Scene {
+        origin, still, inputs, notes, animations, nodes, meshes, skins, instances, moving, animated, first, camera, lights,
+    };
     Ok(Shot { scene, film, frames })
 }
 
 impl Scene {
     /// Camera, lights and moving triangles at a time of one of the shot's frames. (At other times parts that happen to
-    /// stand still at all frames stay where they are.) Triangles that lose their area at that time are left out.
+    /// stand still at all frames stay where they are.) Triangles that lose their area at that time are left out, as are
+    /// parts and lights that are hidden then.
     ///
     /// # Errors
     /// [`SceneError::Pose`] when a transform breaks at that time, [`SceneError::BadValue`] when a pose of the job does.
@@ -115,36 +133,41 @@ impl Scene {
         pose.move_to(&self.nodes, self.animated.iter().copied(), time_s)?;
         let camera = self.camera.at(&self.nodes, &pose, self.origin, time_s)?;
         let light = |light: &LightSource| light.at(&self.nodes, &pose, self.origin, time_s);
-        let lights = self.lights.iter().map(light).collect::<Result<_, _>>()?;
-        let moving = posed_triangles(&self.nodes, &self.meshes, &self.moving, &pose, self.origin, time_s)?;
+        let lights = self.lights.iter().filter(|light| light.is_on(&pose)).map(light).collect::<Result<_, _>>()?;
+        let rig = Rig { nodes: &self.nodes, meshes: &self.meshes, skins: &self.skins, instances: &self.instances };
+        let moving = posed_triangles(rig, &self.moving, &pose, self.origin, time_s)?;
         Ok(SceneFrame { time_s, camera, lights, moving })
     }
 }
 
-fn read_all(paths: &[PathBuf]) -> Result<Model, SceneError> {
+fn read_all(paths: &[PathBuf], active_scene: Option<&str>) -> Result<Model, SceneError> {
     let mut model = Model::default();
+    let mut scenes = gltf::ScenesMet::default();
     for path in paths {
         let bytes = std::fs::read(path).map_err(|source| SceneError::Read { path: path.clone(), source })?;
         model.inputs.push(path.clone());
         let ends_in = |ending: &str| path.extension().is_some_and(|have| have.eq_ignore_ascii_case(ending));
         if gltf::is_glb(&bytes) || ends_in("gltf") || ends_in("glb") {
-            gltf::read(path, bytes, &mut model)?;
+            gltf::read(path, bytes, active_scene, &mut scenes, &mut model)?;
         } else if ends_in("obj") {
             obj::read(path, &bytes, &mut model)?;
         } else {
             return Err(SceneError::UnknownFormat { path: path.clone() });
         }
     }
+    if let Some(name) = active_scene.filter(|_| !scenes.found) {
+        return Err(SceneError::ActiveScene { name: name.to_owned(), known: list(&scenes.names) });
+    }
     Ok(model)
 }
 
 /// The frames of the range, or of the whole animation: that of the files and the camera's keys.
-fn frame_times(params: &ShotParams<'_>, model: &Model, fps: f64) -> Result<Vec<FrameTime>, SceneError> {
+fn frame_times(params: &ShotParams<'_>, last_key_s: Option<f64>, fps: f64) -> Result<Vec<FrameTime>, SceneError> {
     let numbers = match &params.frames.range {
         Some(range) => frames::parse_range(range)?,
         None => {
             let keys = params.camera.key.iter().map(|key| frames::time_s(key.frame, fps));
-            let last_s = keys.fold(model.last_key_s.unwrap_or(0.0), f64::max);
+            let last_s = keys.fold(last_key_s.unwrap_or(0.0), f64::max);
             frames::whole_animation(last_s, fps)?
         }
     };
@@ -163,9 +186,7 @@ fn bake_still(model: &mut Model, split: &Split, origin: DVec3, time_s: f64) -> R
     }
     let mut dropped = 0;
     for part in &split.still {
-        let (node, mesh) = (&model.nodes[part.node], &model.meshes[part.mesh]);
-        let world = &split.first.world_from_node[part.node];
-        dropped += place_part(node, mesh, world, origin, time_s, &mut still)?;
+        dropped += place_part(Rig::of(model), part, &split.first, origin, time_s, &mut still)?;
     }
     if dropped > 0 {
         model.notes.push(format!("{dropped} triangles dropped that have no area once placed and rounded to f32"));
@@ -177,17 +198,15 @@ fn bake_still(model: &mut Model, split: &Split, origin: DVec3, time_s: f64) -> R
 }
 
 fn posed_triangles(
-    nodes: &[Node],
-    meshes: &[Mesh],
+    rig: Rig<'_>,
     parts: &[Part],
     pose: &Pose,
     origin: DVec3,
     time_s: f64,
 ) -> Result<Vec<Triangle>, SceneError> {
-    let mut triangles = Vec::with_capacity(parts.iter().map(|part| meshes[part.mesh].triangles.len()).sum());
+    let mut triangles = Vec::with_capacity(parts.iter().map(|part| rig.mesh(part).triangles.len()).sum());
     for part in parts {
-        let world = &pose.world_from_node[part.node];
-        place_part(&nodes[part.node], &meshes[part.mesh], world, origin, time_s, &mut triangles)?;
+        place_part(rig, part, pose, origin, time_s, &mut triangles)?;
     }
     Ok(triangles)
 }

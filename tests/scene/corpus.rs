@@ -31,7 +31,15 @@ fn try_load(path: &Path) -> Result<Shot, String> {
     let (frames, image) = (FramesParams::default(), ImageParams::default());
     let mut last = Err(String::new());
     for (camera, lights) in [(&own, &[][..]), (&own, &sun), (&all, &[]), (&all, &sun)] {
-        let params = ShotParams { scene: &scene, frames: &frames, image: &image, camera, lights };
+        let params = ShotParams {
+            scene: &scene,
+            active_scene: None,
+            animation: None,
+            frames: &frames,
+            image: &image,
+            camera,
+            lights,
+        };
         last = load(&params).map_err(|error| error.to_string());
         if last.is_ok() {
             break;

@@ -138,6 +138,8 @@ pub(crate) fn write(folder: &Path, name: &str, bytes: &[u8]) -> PathBuf {
 #[derive(Default)]
 pub(crate) struct Job {
     pub(crate) scene: Vec<PathBuf>,
+    pub(crate) active_scene: Option<String>,
+    pub(crate) animation: Option<Vec<String>>,
     pub(crate) frames: FramesParams,
     pub(crate) image: ImageParams,
     pub(crate) camera: CameraParams,
@@ -160,6 +162,8 @@ impl Job {
     pub(crate) fn load(&self) -> Result<Shot, SceneError> {
         load(&ShotParams {
             scene: &self.scene,
+            active_scene: self.active_scene.as_deref(),
+            animation: self.animation.as_deref(),
             frames: &self.frames,
             image: &self.image,
             camera: &self.camera,

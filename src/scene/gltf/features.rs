@@ -1,6 +1,6 @@
 //! What a glTF file may need, and what of it is refused by name rather than planned wrongly.
 //!
-//! Only what the active scene uses is refused: an unused skin elsewhere in the file does no harm. Alpha MASK and BLEND
+//! Only what the active scene uses is refused: a compressed mesh elsewhere in the file does no harm. Alpha MASK and BLEND
 //! are taken as opaque, with a note.
 
 use super::document::{Document, Node, Primitive};
@@ -8,11 +8,17 @@ use crate::scene::model::place;
 use std::collections::BTreeSet;
 
 /// Extensions whose data are read.
-const SUPPORTED: [&str; 2] = ["KHR_lights_punctual", "KHR_mesh_quantization"];
+const SUPPORTED: [&str; 5] = [
+    "KHR_lights_punctual",
+    "KHR_mesh_quantization",
+    "KHR_animation_pointer",
+    "KHR_node_visibility",
+    "EXT_mesh_gpu_instancing",
+];
 
 /// Extensions that may even be required: those of materials and metadata, which change no triangle, named exactly or by
-/// prefix; and two that are judged where they are used.
-const HARMLESS: [&str; 10] = [
+/// prefix.
+const HARMLESS: [&str; 8] = [
     "KHR_materials_",
     "KHR_texture_",
     "EXT_texture_",
@@ -21,20 +27,10 @@ const HARMLESS: [&str; 10] = [
     "KHR_xmp",
     "MSFT_texture_dds",
     "MSFT_packing_",
-    "KHR_animation_pointer",
-    "KHR_node_visibility",
 ];
 
-/// Animation pointers to these change no triangle.
-const HARMLESS_POINTERS: [&str; 4] = ["/materials/", "/textures/", "/images/", "/extensions/EXT_lights_image_based/"];
-
-const MORPH: (&str, &str) = ("morph targets", "bake the shape into plain meshes on export");
-const SKIN: (&str, &str) = ("skins", "bake the skinning into plain meshes on export");
 const DRACO: (&str, &str) = ("KHR_draco_mesh_compression", "export without compression");
 const MESHOPT: (&str, &str) = ("EXT_meshopt_compression", "export without compression");
-const INSTANCING: (&str, &str) = ("EXT_mesh_gpu_instancing", "export instances as nodes");
-const POINTER: (&str, &str) = ("KHR_animation_pointer", "animate node translation, rotation and scale instead");
-const HIDDEN: (&str, &str) = ("KHR_node_visibility", "delete hidden nodes before export");
 
 /// What stands in the way of reading a file, and what the user should know of it.
 #[derive(Debug, Default)]
@@ -64,14 +60,6 @@ pub(super) fn examine(document: &Document, nodes: &[usize]) -> Findings {
     for (index, node) in nodes.iter().filter_map(|&index| Some((index, document.nodes.get(index)?))) {
         node_features(document, index, node, &mut findings);
     }
-    for (index, animation) in document.animations.iter().enumerate() {
-        for pointer in animation.channels.iter().filter_map(|c| c.target.extensions.pointer.as_ref()) {
-            if !HARMLESS_POINTERS.iter().any(|harmless| pointer.pointer.starts_with(harmless)) {
-                let at = format!("{}, {}", place("animation", index, animation.name.as_deref()), pointer.pointer);
-                findings.refuse(POINTER, &at);
-            }
-        }
-    }
     for (index, view) in document.buffer_views.iter().enumerate() {
         let no_fallback = || document.buffers.get(view.buffer).is_some_and(|b| b.uri.is_none() && view.buffer != 0);
         if view.extensions.meshopt.is_some() && no_fallback() {
@@ -91,7 +79,7 @@ fn extensions(document: &Document, findings: &mut Findings) {
         |name: &str| HARMLESS.iter().any(|known| name == *known || known.ends_with('_') && name.starts_with(known));
     for required in &document.extensions_required {
         let name = required.as_str();
-        match [DRACO, MESHOPT, INSTANCING].into_iter().find(|feature| feature.0 == name) {
+        match [DRACO, MESHOPT].into_iter().find(|feature| feature.0 == name) {
             Some(feature) => findings.refuse(feature, "extensionsRequired"),
             None if SUPPORTED.contains(&name) || harmless(name) => {}
             None => findings.refused.push(format!("{name} at extensionsRequired (export without it)")),
@@ -107,25 +95,13 @@ fn extensions(document: &Document, findings: &mut Findings) {
 
 fn node_features(document: &Document, index: usize, node: &Node, findings: &mut Findings) {
     let at = place("node", index, node.name.as_deref());
-    if node.extensions.visibility.as_ref().is_some_and(|v| v.visible == Some(false)) {
-        findings.refuse(HIDDEN, &at);
-    }
     let Some(mesh) = node.mesh.and_then(|mesh| document.meshes.get(mesh)) else { return };
-    if node.skin.is_some() {
-        findings.refuse(SKIN, &at);
-    }
-    if node.extensions.instancing.is_some() {
-        findings.refuse(INSTANCING, &at);
-    }
     for primitive in &mesh.primitives {
         primitive_features(document, primitive, &at, findings);
     }
 }
 
 fn primitive_features(document: &Document, primitive: &Primitive, at: &str, findings: &mut Findings) {
-    if !primitive.targets.is_empty() {
-        findings.refuse(MORPH, at);
-    }
     let uncompressed = || {
         let accessor = document.accessors.get(primitive.attributes.position?)?;
         accessor.buffer_view

@@ -1,8 +1,9 @@
-//! Primitives → indexed triangles. Lists, strips and fans with the winding of glTF 2.0, section 3.7.2.1; points and
+//! Primitives → indexed triangles, with what deforms them. Lists, strips and fans with the winding of glTF 2.0, section 3.7.2.1; points and
 //! lines cast no shadow and are skipped.
 
 use super::accessor::Source;
 use super::document::{Mesh as GltfMesh, Primitive};
+use super::{morph, skin};
 use crate::scene::SceneError;
 use crate::scene::mesh::MeshBuilder;
 use crate::scene::model::{Mesh, place};
@@ -20,9 +21,11 @@ pub(super) struct Skipped {
     pub points_or_lines: usize,
     /// Triangles without area.
     pub degenerate: usize,
+    /// Vertices with joints but no weight.
+    pub weightless: usize,
 }
 
-/// All triangles of a mesh.
+/// All triangles of a mesh, with the joints of their vertices where it is `skinned`.
 ///
 /// # Errors
 /// [`SceneError::Malformed`] naming mesh and accessor: bad accessors, indices out of range, vertices not finite.
@@ -30,10 +33,12 @@ pub(super) fn read(
     source: Source<'_>,
     index: usize,
     mesh: &GltfMesh,
+    skinned: bool,
     positions: &mut Positions,
     skipped: &mut Skipped,
 ) -> Result<Mesh, SceneError> {
-    let mut builder = MeshBuilder::default();
+    let morphs = mesh.primitives.iter().any(|primitive| !primitive.targets.is_empty());
+    let mut builder = MeshBuilder { deforms: skinned || morphs, ..MeshBuilder::default() };
     for (k, primitive) in mesh.primitives.iter().enumerate() {
         let at = format!("{}, primitive {k}", place("mesh", index, mesh.name.as_deref()));
         let mode = primitive.mode.unwrap_or(4);
@@ -47,12 +52,18 @@ pub(super) fn read(
             6 => fan,
             _ => return Err(source.fail(&at, format!("mode {mode} is not 0 to 6"))),
         };
-        add_primitive(source, &at, primitive, triangles_of, positions, &mut builder)?;
+        let taken = add_primitive(source, &at, primitive, triangles_of, positions, &mut builder)?;
+        morph::append_targets(source, &at, primitive, &taken, &mut builder.mesh)?;
+        if skinned {
+            skipped.weightless += skin::append_influences(source, &at, primitive, &taken, &mut builder.mesh)?;
+        }
     }
+    builder.mesh.rest_weights = mesh.weights.clone();
     skipped.degenerate += builder.degenerate;
     Ok(builder.mesh)
 }
 
+/// Adds the triangles of a primitive; returns the indices of the vertices that the mesh took over.
 fn add_primitive(
     source: Source<'_>,
     at: &str,
@@ -60,9 +71,9 @@ fn add_primitive(
     triangles_of: fn(&[u32]) -> Vec<[u32; 3]>,
     positions: &mut Positions,
     builder: &mut MeshBuilder,
-) -> Result<(), SceneError> {
+) -> Result<Vec<u32>, SceneError> {
     // Without positions there is nothing to draw (section 3.7.2.1).
-    let Some(accessor) = primitive.attributes.position else { return Ok(()) };
+    let Some(accessor) = primitive.attributes.position else { return Ok(Vec::new()) };
     let vertices = match positions.entry(accessor) {
         Entry::Occupied(known) => known.into_mut(),
         Entry::Vacant(slot) => {
