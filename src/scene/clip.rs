@@ -104,7 +104,9 @@ pub(super) fn play(wanted: Option<&[String]>, model: &mut Model) -> Result<Playe
         }
         if clashes > 0 {
             let (file, clip) = (clip.file.display(), place("animation", clip.index, clip.name.as_deref()));
-            model.notes.push(format!("{file}: {clip}: {clashes} properties are driven by an animation named before it"));
+            model
+                .notes
+                .push(format!("{file}: {clip}: {clashes} properties are driven by an animation named before it"));
         }
     }
     Ok(played)

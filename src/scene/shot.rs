@@ -95,7 +95,8 @@ pub fn load(params: &ShotParams<'_>) -> Result<Shot, SceneError> {
     let first_s = frames.first().map_or(0.0, |frame| frame.time_s);
     let still = bake_still(&mut model, &split, origin, first_s)?;
     let moving = posed_triangles(Rig::of(&model), &split.moving, &split.first, origin, first_s)?;
-    if still.is_empty() && moving.is_empty() {
+    // Moving parts may have none at the first frame only.
+    if still.is_empty() && split.moving.iter().all(|part| model.meshes[part.mesh].triangles.is_empty()) {
         let files: Vec<String> = params.scene.iter().map(|path| path.display().to_string()).collect();
         return Err(SceneError::NoTriangles { files: files.join(", ") });
     }
@@ -212,9 +213,11 @@ fn posed_triangles(
 }
 
 fn surroundings(still: &[Triangle], moving: &[Triangle], bounds: &Bounds, origin: DVec3) -> Surroundings {
-    let vertices = || still.iter().chain(moving).flatten().map(|v| v.as_dvec3());
-    let (centre, radius) = Bounds::sphere(vertices);
-    let centre = centre + origin;
+    let vertices = || still.iter().chain(moving).flatten().map(|v| v.as_dvec3() + origin);
+    let (centre, radius) = match vertices().next() {
+        Some(_) => Bounds::sphere(vertices),
+        None => Bounds::sphere(|| bounds.ends().into_iter()),
+    };
     let reach = bounds.corners().into_iter().map(|corner| corner.distance(centre)).fold(radius, f64::max);
     Surroundings { centre, radius, reach, diagonal: bounds.diagonal() }
 }

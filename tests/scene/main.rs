@@ -2,7 +2,9 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
 
 mod corpus;
+mod deform;
 mod fixture;
 mod gltf;
 mod hostile;
+mod play;
 mod shot;
