@@ -46,7 +46,7 @@ pub(super) enum CameraSource {
         /// Width over height, where the file says.
         aspect: Option<f64>,
         /// What the animation changes; nothing that the job states.
-        tracks: CameraTracks,
+        tracks: Box<CameraTracks>,
     },
     /// Described by the job.
     Posed(Box<PosedCamera>),
@@ -125,7 +125,15 @@ fn from_file(params: &CameraParams, model: &Model) -> Result<CameraSource, Scene
     tracks.lens = unstated(params.fov, tracks.lens);
     tracks.near = unstated(params.near, tracks.near);
     tracks.far = unstated(params.far, tracks.far);
-    Ok(CameraSource::Node { name, node: camera.node, projection, near, far, aspect: camera.aspect, tracks })
+    Ok(CameraSource::Node {
+        name,
+        node: camera.node,
+        projection,
+        near,
+        far,
+        aspect: camera.aspect,
+        tracks: Box::new(tracks),
+    })
 }
 
 /// Projection, near and far plane at a time, or what is wrong with them.

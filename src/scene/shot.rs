@@ -205,7 +205,11 @@ fn posed_triangles(
     origin: DVec3,
     time_s: f64,
 ) -> Result<Vec<Triangle>, SceneError> {
-    let mut triangles = Vec::with_capacity(parts.iter().map(|part| rig.mesh(part).triangles.len()).sum());
+    let count = parts.iter().map(|part| rig.mesh(part).triangles.len() as u64).sum::<u64>();
+    let mut triangles = Vec::new();
+    if triangles.try_reserve_exact(count as usize).is_err() {
+        return Err(SceneError::TooManyTriangles { triangles: count, limit: u64::from(u32::MAX) });
+    }
     for part in parts {
         place_part(rig, part, pose, origin, time_s, &mut triangles)?;
     }

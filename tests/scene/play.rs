@@ -187,3 +187,12 @@ fn visibility_switches_by_its_keys() {
     let moving = |time_s: f64| shot.scene.frame(time_s).unwrap().moving.len();
     assert_eq!((shot.scene.still.len(), moving(0.0), moving(0.99), moving(1.0)), (1, 1, 1, 0));
 }
+
+#[test]
+fn a_shot_may_begin_with_nothing_to_see() {
+    let mut gltf = Gltf::triangle();
+    gltf.animate_pointer("/nodes/0/extensions/KHR_node_visibility/visible", "SCALAR", &[0.0, 1.0]);
+    let shot = gltf.load().unwrap();
+    let moving = |time_s: f64| shot.scene.frame(time_s).unwrap().moving.len();
+    assert_eq!((shot.scene.still.len(), moving(0.0), moving(1.0)), (0, 0, 1));
+}
