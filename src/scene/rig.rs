@@ -13,7 +13,8 @@ use super::pose::Pose;
 use glam::{DAffine3, DVec3};
 use rayon::prelude::*;
 
-/// Vertices posed by one task, at least: some microseconds of work.
+/// Vertices posed by one task, at least: some tens of microseconds of work, more than it takes to hand a task over. Small
+/// meshes, of which there may be a million, stay on their thread.
 const VERTICES_A_TASK: usize = 4096;
 
 /// What parts refer to.
@@ -95,6 +96,9 @@ impl PartState {
         let morphed = self.morphed(mesh);
         let vertices = morphed.as_deref().unwrap_or(&mesh.vertices);
         let place = |(index, &v): (usize, &DVec3)| self.place(mesh, index, v);
+        if vertices.len() < 2 * VERTICES_A_TASK {
+            return vertices.iter().enumerate().map(place).collect();
+        }
         vertices.par_iter().enumerate().with_min_len(VERTICES_A_TASK).map(place).collect()
     }
 
