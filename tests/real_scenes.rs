@@ -50,6 +50,8 @@ fn load(file: &Path, more: &str) -> LoadedJob {
 fn load_shot(loaded: &LoadedJob) -> Result<Shot, SceneError> {
     lixel::scene::load(&ShotParams {
         scene: &loaded.scene_files(),
+        active_scene: loaded.job.active_scene.as_deref(),
+        animation: loaded.job.animation.as_deref(),
         frames: &loaded.job.frames,
         image: &loaded.job.image,
         camera: &loaded.camera(),
