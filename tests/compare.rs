@@ -123,8 +123,10 @@ fn files_and_table_say_what_was_measured() {
 
 #[test]
 fn exact_visibility_takes_part_with_its_samples() {
+    let solver = SolverParams::default();
+    let methods = [Method::SceneOptimal, Method::Partitioned, Method::Irregular];
     let with = CompareParams {
-        methods: vec![Method::SceneOptimal, Method::Partitioned, Method::Irregular],
+        methods: methods.map(|method| Variant::plain(method, &solver)).to_vec(),
         ..params(Question::Texels(4000), BiasChoice::Plan)
     };
     let found = run(&job(2), &with, 2);

@@ -4,7 +4,7 @@ use crate::fixture::{ALL, Setup, room};
 use crate::properties::{difference, lights};
 use glam::Vec3;
 use lixel::math::Bounds;
-use lixel::samples::{Grid, GridView, sample_light};
+use lixel::samples::{Grid, GridView, LightView, sample_light};
 use lixel::scene::{Geometry, Triangle};
 use lixel::visibility::{Bvh, RayOffset, Tracer};
 
@@ -30,10 +30,13 @@ fn triangles() -> Vec<Triangle> {
 /// The room's camera and light over these triangles.
 fn sampled(room: &Setup, triangles: &[Triangle]) -> Setup {
     let bvh = Bvh::build(triangles);
-    let tracer = Tracer::new(Geometry { still: triangles, moving: &[] }, &bvh, None);
-    let view = GridView::see(&tracer, &room.camera, Grid::new(room.film, 60));
+    let tracer = Tracer::new(Geometry::plain(triangles, &[]), &bvh, None);
+    let view = GridView::see(&tracer, &room.camera, Grid::new(room.film, 60), None);
     let offset = RayOffset::for_scene(&tracer);
-    let samples = sample_light(&tracer, &room.camera, &view, &room.light, offset, 5, false);
+    let answers = view.answers(&tracer, &room.camera, &room.light, offset);
+    let lit =
+        LightView { tracer: &tracer, camera: &room.camera, view: &view, light: &room.light, offset, answers: &answers };
+    let samples = sample_light(&lit, 5, false);
     let bounds = Bounds::of(triangles.iter().flatten().map(|v| v.as_dvec3()));
     Setup { bounds, edges: samples.edges, covered: samples.covered, ..room.clone() }
 }

@@ -24,6 +24,8 @@ fn files_are_converted_and_placed_once() {
     ];
     let shot = load(&ShotParams {
         scene: &scene,
+        active_scene: None,
+        animation: None,
         frames: &FramesParams::default(),
         image: &ImageParams::default(),
         camera: &CameraParams::default(),
