@@ -17,9 +17,9 @@ use lixel::job::{Job, load};
 use lixel::math::Bounds;
 use lixel::measure::Receivers;
 use lixel::resolution::{FilmQuestion, JudgedMap, fit_light, predict_only};
-use lixel::samples::{Grid, GridView, sample_light};
+use lixel::samples::{Grid, GridView, LightView, sample_light};
 use lixel::scene::{self, Film, Light, SceneFrame, Shot, ShotParams};
-use lixel::visibility::{Answer, Bvh, RayOffset, Tracer, answer, see};
+use lixel::visibility::{Answer, Bvh, RayOffset, Tracer, see};
 
 /// Rounds of each light.
 const ROUNDS: usize = 9;
@@ -112,14 +112,14 @@ fn draft(film: Film, frame: &SceneFrame, tracer: &Tracer, light: &Light, job: &J
     let start = Instant::now();
     let corners = tracer.bounds().into_iter().flatten();
     let offset = RayOffset::for_scene(tracer);
-    let grid = GridView::see(tracer, &frame.camera, Grid::new(film, job.sampling.grid));
-    let samples = sample_light(tracer, &frame.camera, &grid, light, offset, job.sampling.refine, false);
+    let grid = GridView::see(tracer, &frame.camera, Grid::new(film, job.sampling.grid), None);
+    let answers = grid.answers(tracer, &frame.camera, light, offset);
+    let lit = LightView { tracer, camera: &frame.camera, view: &grid, light, offset, answers: &answers };
+    let samples = sample_light(&lit, job.sampling.refine, false);
     // The visible points that depth rows and witnesses are made from.
-    let seen: Vec<_> = grid
-        .surfaces
-        .iter()
-        .flatten()
-        .filter(|s| answer(tracer, s, light, offset) != Answer::Unlit)
+    let seen: Vec<_> = (0..answers.len())
+        .filter(|i| answers[*i] != Answer::Unlit)
+        .filter_map(|i| grid.surface(tracer, &frame.camera, i))
         .map(|s| s.position)
         .collect();
     let mut draft = Draft { parts_ms: [lap(start), 0.0, 0.0], edges: samples.edges.len(), sizes: Vec::new() };

@@ -184,7 +184,7 @@ fn changed_frames_and_inputs_are_found() {
 
 /// Methods that give a light several maps: their domains go to the file and back, and the counts hold.
 #[test]
-fn plans_of_split_lights_hold_through_a_file() {
+fn domains_survive_the_file() {
     for (method, kind) in [("separating-plane", "half-space"), ("cascades", "view-depth"), ("faces", "intersection")] {
         let plan = plan_courtyard(&format!("[solver]\nmethod = '{method}'\n"));
         let text = plan::to_text(&plan, Format::Toml).unwrap();

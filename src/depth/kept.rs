@@ -96,8 +96,8 @@ impl<'a> Kept<'a> {
         let geometry = self.tracer.geometry();
         self.tracer.walk(|part| match part {
             Part::Box(corners) => {
-                let gains_nothing = bar.is_finite() && most(row, corners) <= 0.0;
-                !gains_nothing && !self.scene_planes.iter().any(|plane| most(*plane, corners) < 0.0)
+                (!bar.is_finite() || most(row, corners) > 0.0)
+                    && !self.scene_planes.iter().any(|plane| most(*plane, corners) < 0.0)
             }
             Part::Triangle(index) => {
                 polygon.clip(geometry.triangle_f64(index).map(|p| self.vector(p)), &self.planes);
