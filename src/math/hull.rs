@@ -59,7 +59,9 @@ fn outer(points: &[DVec2]) -> Vec<DVec2> {
     let rounding = 16.0 * f64::EPSILON * size * size;
     let edges: [(DVec2, DVec2); 8] = std::array::from_fn(|k| (corners[k], corners[(k + 1) % 8] - corners[k]));
     let sides = edges.iter().filter(|(_, edge)| *edge != DVec2::ZERO);
-    let inside = |p: &DVec2| sides.clone().all(|(corner, edge)| edge.perp_dot(*p - *corner) > rounding);
+    // Points that all coincide have no polygon to lie inside of.
+    let is_polygon = sides.clone().next().is_some();
+    let inside = |p: &DVec2| is_polygon && sides.clone().all(|(corner, edge)| edge.perp_dot(*p - *corner) > rounding);
     finite().filter(|p| !inside(p)).collect()
 }
 
