@@ -39,6 +39,8 @@ fn run(input: &Path) -> Result<(), Box<dyn Error>> {
     let job = &loaded.job;
     let shot = scene::load(&ShotParams {
         scene: &loaded.scene_files(),
+        active_scene: job.active_scene.as_deref(),
+        animation: job.animation.as_deref(),
         frames: &job.frames,
         image: &job.image,
         camera: &loaded.camera(),

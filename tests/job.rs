@@ -28,6 +28,8 @@ fn a_full_job_is_read() {
     let job = job(
         r#"
         scene = ["set/a.gltf", "b.obj"]
+        animation = "walk"
+        active_scene = "night"
         [frames]
         range = "1-240x2"
         fps = 25
@@ -65,6 +67,7 @@ fn a_full_job_is_read() {
         "",
     );
     assert_eq!(job.scene, [SceneFile::from("set/a.gltf"), SceneFile::from("b.obj")]);
+    assert_eq!((job.animation, job.active_scene), (Some(vec!["walk".to_owned()]), Some("night".to_owned())));
     assert_eq!(job.frames.fps, Some(25.0));
     assert_eq!(job.camera.key[1].fov, Some(30.0));
     assert_eq!(job.light[1].range, Some(12.5));

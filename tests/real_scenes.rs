@@ -50,6 +50,8 @@ fn load(file: &Path, more: &str) -> LoadedJob {
 fn load_shot(loaded: &LoadedJob) -> Result<Shot, SceneError> {
     lixel::scene::load(&ShotParams {
         scene: &loaded.scene_files(),
+        active_scene: loaded.job.active_scene.as_deref(),
+        animation: loaded.job.animation.as_deref(),
         frames: &loaded.job.frames,
         image: &loaded.job.image,
         camera: &loaded.camera(),
@@ -114,7 +116,7 @@ fn plan_and_verify(name: &str, file: &Path, work: &Path) -> Result<Vec<String>, 
     Ok(inputs.chain(found.problems.clone()).chain(lights).collect())
 }
 
-/// Whether a refusal names something that stands in the file: an extension, or a key such as `skins` or `targets`.
+/// Whether a refusal names something that stands in the file: an extension or a key.
 fn is_named_in(feature: &str, file: &Path) -> bool {
     let text = String::from_utf8_lossy(&fs::read(file).unwrap()).into_owned();
     let words = feature.split(|c: char| !(c.is_ascii_alphanumeric() || c == '_'));
@@ -139,7 +141,7 @@ fn every_real_scene_is_planned_and_verified_or_refused_by_name() {
         match plan_and_verify(&name, file, work.path()) {
             Ok(faults) if faults.is_empty() => {}
             Ok(faults) => failed.push(format!("{name}: {}", faults.join("\n  "))),
-            // A feature by its name: an extension, skins, morph targets.
+            // A feature by its name: an extension.
             Err(PlanError::Scene(SceneError::Unsupported { features, .. })) => {
                 println!("| {name} | refused: {} |", features.join("; "));
                 let unfounded = features.iter().find(|f| !is_named_in(f, file));

@@ -5,9 +5,12 @@ use super::authoring::mesh::{Mesh, lathe, rounded, tube};
 use glam::{DMat4, DQuat, DVec2, DVec3, dvec3};
 use std::f64::consts::{PI, TAU};
 
+/// A name, and what builds the mesh.
+type Kind = (&'static str, fn() -> Mesh);
+
 /// Adds one mesh of every kind; with each, its lowest point below its origin, metres.
 pub(super) fn all(doc: &mut Document, material: usize) -> Vec<(usize, f64)> {
-    let kinds: [(&'static str, fn() -> Mesh); 9] = [
+    let kinds: [Kind; 9] = [
         ("ball", ball),
         ("stone", stone),
         ("ring", ring),

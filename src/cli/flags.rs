@@ -23,6 +23,12 @@ pub(super) struct JobFlags {
     /// Camera of the scene's files, by name
     #[arg(long, value_name = "NAME")]
     camera: Option<String>,
+    /// Scene of the glTF files that hold several, by name
+    #[arg(long, value_name = "NAME")]
+    active_scene: Option<String>,
+    /// Animation that plays, by name; may be given several times [default: all that go together]
+    #[arg(long, value_name = "NAME")]
+    animation: Vec<String>,
     /// The bound: a share of the image's pixels, or pixels
     #[arg(long, value_name = "E", allow_negative_numbers = true)]
     epsilon: Option<f64>,
@@ -48,16 +54,19 @@ pub(super) struct JobFlags {
 
 impl JobFlags {
     /// Every flag: its name, its key, and its value if it was given.
-    fn entries(&self) -> [(&'static str, &'static str, Option<Value>); 10] {
+    fn entries(&self) -> [(&'static str, &'static str, Option<Value>); 12] {
         let one = |values: &[String]| match values {
             [value] => Some(Value::String(value.clone())),
             _ => None,
         };
         let text = |value: &Option<String>| value.clone().map(Value::String);
+        let names = |names: &[String]| Value::Array(names.iter().cloned().map(Value::String).collect());
         [
             ("--frames", "frames.range", text(&self.frames)),
             ("--size", "image.size", self.size.map(|s| Value::Array(s.map(integer).into()))),
             ("--camera", "camera.name", text(&self.camera)),
+            ("--active-scene", "active_scene", text(&self.active_scene)),
+            ("--animation", "animation", (!self.animation.is_empty()).then(|| names(&self.animation))),
             ("--epsilon", "quality.epsilon", self.epsilon.map(Value::Float)),
             ("--bound", "quality.bound", text(&self.bound)),
             ("--method", "solver.method", text(&self.method)),

@@ -12,10 +12,11 @@ mod layers;
 mod load;
 mod locate;
 
+use std::marker::PhantomData;
 use std::path::Path;
 
 use schemars::JsonSchema;
-use serde::de::value::MapAccessDeserializer;
+use serde::de::value::{MapAccessDeserializer, StrDeserializer};
 use serde::de::{self, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
@@ -37,9 +38,16 @@ pub use load::{LoadedJob, load};
 pub struct Job {
     /// One or several scene files (.gltf, .glb, .obj), relative to the job file: names, or tables with `file`, `transform`,
     /// `up` and `unit`.
-    #[serde(deserialize_with = "one_or_many")]
-    #[schemars(with = "OneOrMany")]
+    #[serde(deserialize_with = "scene_files")]
+    #[schemars(with = "OneOrMany<SceneFile>")]
     pub scene: Vec<SceneFile>,
+    /// Which scene of glTF files that hold several; absent = each file's default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub active_scene: Option<String>,
+    /// Names of the animations that play, one or a list; [] = none; absent = all that drive different things, in file order.
+    #[serde(deserialize_with = "animations", skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Option<OneOrMany<String>>")]
+    pub animation: Option<Vec<String>>,
     /// The settings that the job and the command line are laid over.
     pub preset: Preset,
     /// Which moments are planned.
@@ -65,42 +73,60 @@ pub struct Job {
     pub shot: TemporalParams,
 }
 
-/// The ways of writing `scene`, for the schema only.
+/// The two ways of writing `scene` and `animation`, for the schema only.
 #[derive(JsonSchema)]
 #[schemars(untagged)]
 #[expect(dead_code, reason = "never built: it describes what `one_or_many` accepts")]
-enum OneOrMany {
-    One(SceneFile),
-    Many(Vec<SceneFile>),
+enum OneOrMany<T> {
+    One(T),
+    Many(Vec<T>),
 }
 
-/// Reads a file or a list of files. A visitor rather than an untagged enum: those lose the line of an error.
-fn one_or_many<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<SceneFile>, D::Error> {
-    struct Files;
-    impl<'de> Visitor<'de> for Files {
-        type Value = Vec<SceneFile>;
+/// `scene`.
+fn scene_files<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<SceneFile>, D::Error> {
+    one_or_many(deserializer, "a file name, a table with `file`, or a list of these")
+}
+
+/// `animation`; not called where the key is missing.
+fn animations<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Vec<String>>, D::Error> {
+    one_or_many(deserializer, "a name or a list of names").map(Some)
+}
+
+/// Reads one or a list of what is written as a string or a table. A visitor rather than an untagged enum: those lose the
+/// line of an error.
+fn one_or_many<'de, D, T>(deserializer: D, expected: &'static str) -> Result<Vec<T>, D::Error>
+where
+    D: Deserializer<'de>,
+    T: Deserialize<'de>,
+{
+    struct Entries<T> {
+        expected: &'static str,
+        of: PhantomData<T>,
+    }
+    impl<'de, T: Deserialize<'de>> Visitor<'de> for Entries<T> {
+        type Value = Vec<T>;
 
         fn expecting(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
-            f.write_str("a file name, a table with `file`, or a list of these")
+            f.write_str(self.expected)
         }
 
-        fn visit_str<E: de::Error>(self, path: &str) -> Result<Self::Value, E> {
-            Ok(vec![SceneFile::from(path)])
+        fn visit_str<E: de::Error>(self, text: &str) -> Result<Self::Value, E> {
+            Ok(vec![T::deserialize(StrDeserializer::new(text))?])
         }
 
         fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Self::Value, A::Error> {
-            Ok(vec![SceneFile::deserialize(MapAccessDeserializer::new(map))?])
+            Ok(vec![T::deserialize(MapAccessDeserializer::new(map))?])
         }
 
         fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Self::Value, A::Error> {
-            let mut files = Vec::new();
-            while let Some(file) = seq.next_element()? {
-                files.push(file);
+            let mut entries = Vec::new();
+            while let Some(entry) = seq.next_element()? {
+                entries.push(entry);
             }
-            Ok(files)
+            Ok(entries)
         }
     }
-    deserializer.deserialize_any(Files)
+    deserializer.deserialize_any(Entries { expected, of: PhantomData })
 }
 
 /// Extensions of scene files, lower case.

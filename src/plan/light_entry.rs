@@ -101,6 +101,7 @@ fn settle(
         }
         _ => {
             let receivers: Vec<_> = seen.iter().map(|s| s.position).collect();
+            fitted.drop_unseen(&receivers);
             match JudgedMap::of_all(&fitted.regions, stage.tracer, &receivers) {
                 Ok(maps) => (maps, predict_only(&question, &fitted)),
                 Err(reason) => {

@@ -17,6 +17,8 @@ use crate::shot::Temporal;
 pub(crate) fn load_shot(job: &LoadedJob) -> Result<Shot, PlanError> {
     let params = ShotParams {
         scene: &job.scene_files(),
+        active_scene: job.job.active_scene.as_deref(),
+        animation: job.job.animation.as_deref(),
         frames: &job.job.frames,
         image: &job.job.image,
         camera: &job.camera(),
@@ -52,6 +54,9 @@ pub fn make(loaded: &LoadedJob, plan_dir: &Path, timings: bool, watch: &Watch) -
     let mut resolved = loaded.job.clone();
     resolved.scene = loaded.scene_files().iter().map(|f| f.at(relative_path(f.path(), plan_dir).into())).collect();
     resolved.camera.file = loaded.camera().file.map(|file| relative_path(&file, plan_dir).into());
+    if !shot.scene.animations.is_empty() {
+        resolved.animation = Some(shot.scene.animations.clone());
+    }
     Ok(Plan::new(PlannedJob { job: resolved, inputs }, shot.scene.origin.to_array(), frames))
 }
 

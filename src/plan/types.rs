@@ -176,7 +176,7 @@ pub struct PlanCamera {
     pub name: String,
     /// Clip space of the camera from the world.
     pub clip_from_world: Rows,
-    /// Centre of projection, relative to the origin, metres.
+    /// Centre of projection, relative to the origin, metres; of an orthographic camera, which has none, where it stands.
     pub position: [f64; 3],
     /// Film width, pixels.
     pub width: u32,

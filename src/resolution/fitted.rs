@@ -3,7 +3,7 @@
 
 use super::{AspectRule, Bound, MapParams, QualityParams, shares};
 use crate::fit::Aspect;
-use crate::math::Bounds;
+use crate::math::{Bounds, first_holding};
 use crate::measure::{Outside, Receivers};
 use crate::methods::{Inapplicable, Inputs, Prediction, Region, SolverParams, held, solve};
 use crate::samples::LightSamples;
@@ -116,7 +116,11 @@ pub fn fit_light(
         }
         regions = cover.fit(texels, aspect)?;
     }
-    Ok(cover.fitted(regions, texels))
+    let mut fitted = cover.fitted(regions, texels);
+    if let Some(film) = film {
+        fitted.drop_unseen(&film.positions);
+    }
+    Ok(fitted)
 }
 
 /// Fits a light's regions for a number of texels.
@@ -132,7 +136,29 @@ pub fn fit_texels(
 ) -> Result<FittedLight, Inapplicable> {
     let mut cover = Cover::new(question, samples, Some(film));
     let regions = cover.fit(texels, aspect)?;
-    Ok(cover.fitted(regions, texels))
+    let mut fitted = cover.fitted(regions, texels);
+    fitted.drop_unseen(&film.positions);
+    Ok(fitted)
+}
+
+impl FittedLight {
+    /// Drops maps that none of the visible points looks up: their cover lies between pixels.
+    pub fn drop_unseen(&mut self, visible: &[DVec3]) {
+        if self.regions.len() < 2 {
+            return;
+        }
+        let mut seen = vec![false; self.regions.len()];
+        for point in visible {
+            if let Some(k) = first_holding(self.regions.iter().map(|r| &r.domain), *point) {
+                seen[k] = seen[k] || self.regions[k].contains(*point);
+            }
+        }
+        if seen.iter().any(|s| *s) && !seen.iter().all(|s| *s) {
+            let mut seen = seen.into_iter();
+            self.regions.retain(|_| seen.next().unwrap_or(true));
+            self.shares = shares(&self.regions);
+        }
+    }
 }
 
 /// What the maps have to hold, as far as it is known.

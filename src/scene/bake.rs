@@ -1,11 +1,12 @@
-//! Still and moving parts, the scene's origin, and triangles in scene space.
+//! The scene's origin, and triangles in scene space.
 
 use super::marks::Marks;
 use super::mesh::has_area;
-use super::model::{Mesh, Model, Node, Part};
-use super::pose::{Pose, animated_nodes};
-use super::{FrameTime, SceneError, Triangle};
-use glam::{DAffine3, DVec3};
+use super::model::Part;
+use super::pose::Pose;
+use super::rig::Rig;
+use super::{SceneError, Triangle};
+use glam::DVec3;
 
 /// Largest rounding of a vertex to f32 that is accepted, relative to the diagonal of the scene, before the scene is
 /// moved to an origin of its own: 2^-20 ≈ 1e-6, a thousandth of a pixel in a view of the whole scene at 1000 pixels.
@@ -24,19 +25,31 @@ pub(super) struct Bounds {
 }
 
 impl Bounds {
-    const EMPTY: Bounds = Bounds { min: DVec3::INFINITY, max: DVec3::NEG_INFINITY };
+    pub(super) const EMPTY: Bounds = Bounds { min: DVec3::INFINITY, max: DVec3::NEG_INFINITY };
 
-    fn of(points: impl IntoIterator<Item = DVec3>) -> Self {
+    /// The least box that holds points.
+    pub(super) fn of(points: impl IntoIterator<Item = DVec3>) -> Self {
         let mut bounds = Bounds::EMPTY;
         bounds.extend(points);
         bounds
     }
 
-    fn extend(&mut self, points: impl IntoIterator<Item = DVec3>) {
+    /// Takes points in.
+    pub(super) fn extend(&mut self, points: impl IntoIterator<Item = DVec3>) {
         for point in points {
             self.min = self.min.min(point);
             self.max = self.max.max(point);
         }
+    }
+
+    /// True when nothing has been taken in.
+    pub(super) fn is_empty(&self) -> bool {
+        self.min.x > self.max.x
+    }
+
+    /// Least and greatest corner; none when empty.
+    pub(super) fn ends(&self) -> Vec<DVec3> {
+        if self.is_empty() { Vec::new() } else { vec![self.min, self.max] }
     }
 
     /// All eight; of no meaning when empty.
@@ -58,62 +71,6 @@ impl Bounds {
         let centre = bounds.min.midpoint(bounds.max);
         (centre, points().map(|p| p.distance_squared(centre)).fold(0.0, f64::max).sqrt())
     }
-}
-
-/// A model sorted by what moves.
-#[derive(Debug)]
-pub(super) struct Split {
-    /// Parts whose world matrix is the same at all frames.
-    pub still: Vec<Part>,
-    /// The others.
-    pub moving: Vec<Part>,
-    /// Nodes to pose anew for a frame, parents first.
-    pub animated: Vec<usize>,
-    /// All nodes at the first frame.
-    pub first: Pose,
-    /// World bounds over all frames: of the vertices of still parts, of the boxes of moving ones.
-    pub bounds: Bounds,
-}
-
-/// Poses the model at all frames to find out what moves. A part moves when its world matrix is not the same, bit by
-/// bit, at all of them.
-///
-/// # Errors
-/// [`SceneError::Pose`] from any frame.
-pub(super) fn split(model: &Model, frames: &[FrameTime]) -> Result<Split, SceneError> {
-    let first_s = frames.first().map_or(0.0, |frame| frame.time_s);
-    let first = Pose::at(&model.nodes, first_s)?;
-    let animated = animated_nodes(&model.nodes);
-    let mut may_move = vec![false; model.nodes.len()];
-    for &node in &animated {
-        may_move[node] = true;
-    }
-    let candidates: Vec<Part> = model.parts.iter().copied().filter(|part| may_move[part.node]).collect();
-    let boxes: Vec<[DVec3; 8]> =
-        candidates.iter().map(|part| Bounds::of(model.meshes[part.mesh].vertices.iter().copied()).corners()).collect();
-    let mut moves = vec![false; model.nodes.len()];
-    let mut swept = vec![Bounds::EMPTY; candidates.len()];
-    let mut pose = first.clone();
-    for frame in frames {
-        pose.move_to(&model.nodes, animated.iter().copied(), frame.time_s)?;
-        for ((part, corners), swept) in candidates.iter().zip(&boxes).zip(&mut swept) {
-            let world = &pose.world_from_node[part.node];
-            moves[part.node] |= *world != first.world_from_node[part.node];
-            swept.extend(corners.iter().map(|&corner| world.transform_point3(corner)));
-        }
-    }
-    let (moving, still): (Vec<Part>, Vec<Part>) = model.parts.iter().partition(|part| moves[part.node]);
-    let mut bounds = Bounds::EMPTY;
-    for part in &still {
-        let world = &first.world_from_node[part.node];
-        bounds.extend(model.meshes[part.mesh].vertices.iter().map(|&v| world.transform_point3(v)));
-    }
-    for (part, swept) in candidates.iter().zip(&swept) {
-        if moves[part.node] && !model.meshes[part.mesh].vertices.is_empty() {
-            bounds.extend([swept.min, swept.max]);
-        }
-    }
-    Ok(Split { still, moving, animated, first, bounds })
 }
 
 /// Triangles in scene space, and their marks.
@@ -140,25 +97,30 @@ pub(super) fn origin(bounds: &Bounds) -> DVec3 {
     DVec3::new(along(0), along(1), along(2))
 }
 
-/// Appends the triangles of a part in scene space; returns how many were dropped because rounding to f32 (or a scale of
-/// zero) left them without area. Under a mirroring matrix the winding is turned, so that fronts stay fronts.
+/// Appends the triangles of a part in scene space; returns how many were dropped because they have no area, by rounding
+/// to f32, a scale of zero or a deformation. A hidden part has none. Under a mirroring matrix the winding is turned, so
+/// that fronts stay fronts.
 ///
 /// # Errors
 /// [`SceneError::Pose`] when a vertex overflows f32.
 pub(super) fn place_part(
-    node: &Node,
-    mesh: &Mesh,
-    world_from_node: &DAffine3,
+    rig: Rig<'_>,
+    part: &Part,
+    pose: &Pose,
     origin: DVec3,
     time_s: f64,
     out: &mut Placed,
 ) -> Result<usize, SceneError> {
-    let placed: Vec<_> =
-        mesh.vertices.iter().map(|&v| (world_from_node.transform_point3(v) - origin).as_vec3()).collect();
-    if !placed.iter().all(|v| v.is_finite()) {
-        return Err(node.pose_error("a vertex overflows; check the scales above it", time_s));
+    let (state, mesh) = (rig.state(part, pose, time_s), rig.mesh(part));
+    if state.hidden {
+        return Ok(0);
     }
-    let mirrored = world_from_node.matrix3.determinant() < 0.0;
+    let placed: Vec<_> = state.vertices(mesh).into_iter().map(|v| (v - origin).as_vec3()).collect();
+    if !placed.iter().all(|v| v.is_finite()) {
+        let problem = "a vertex overflows; check the scales above it, its joints and its morph weights";
+        return Err(rig.node(part).pose_error(problem, time_s));
+    }
+    let mirrored = state.mirrors();
     let before = out.triangles.len();
     for (&[a, b, c], k) in mesh.triangles.iter().zip(0_u32..) {
         let [b, c] = if mirrored { [c, b] } else { [b, c] };

@@ -22,7 +22,7 @@ pub enum Projection {
 pub struct Camera {
     /// As in the file or job.
     pub name: String,
-    /// Centre of projection, scene space, metres.
+    /// Centre of projection, scene space, metres; of an orthographic camera, which has none, where it stands.
     pub position: DVec3,
     /// Columns: right, up, backward (the camera looks along -z), orthonormal, right-handed.
     pub world_from_camera: DMat3,

@@ -1,11 +1,13 @@
 //! Which camera a shot has, and where it is at a time.
 
 use super::camera_pose::{PosedCamera, frame_all, posed};
-use super::model::{Model, Node};
+use super::model::{CameraTracks, Model, Node};
 use super::names::{Found, did_you_mean, find, list, name_all};
 use super::pose::{Pose, orthonormal_rotation};
+use super::track::Track;
 use super::{Camera, CameraParams, Projection, SceneError};
 use glam::DVec3;
+use std::f64::consts::PI;
 
 /// Vertical field of view where the job says nothing, degrees.
 pub(super) const DEFAULT_FOV_DEG: f64 = 45.0;
@@ -43,6 +45,8 @@ pub(super) enum CameraSource {
         far: Option<f64>,
         /// Width over height, where the file says.
         aspect: Option<f64>,
+        /// What the animation changes; nothing that the job states.
+        tracks: Box<CameraTracks>,
     },
     /// Described by the job.
     Posed(Box<PosedCamera>),
@@ -116,7 +120,53 @@ fn from_file(params: &CameraParams, model: &Model) -> Result<CameraSource, Scene
         return Err(SceneError::bad_value("camera.far", far, problem));
     }
     let name = names[index].unique.clone();
-    Ok(CameraSource::Node { name, node: camera.node, projection, near, far, aspect: camera.aspect })
+    let mut tracks = camera.tracks.clone();
+    let unstated = |given: Option<f64>, track: Option<Track>| track.filter(|_| given.is_none());
+    tracks.lens = unstated(params.fov, tracks.lens);
+    tracks.near = unstated(params.near, tracks.near);
+    tracks.far = unstated(params.far, tracks.far);
+    Ok(CameraSource::Node {
+        name,
+        node: camera.node,
+        projection,
+        near,
+        far,
+        aspect: camera.aspect,
+        tracks: Box::new(tracks),
+    })
+}
+
+/// Projection, near and far plane at a time, or what is wrong with them.
+fn lens_at(
+    rest: Projection,
+    near: f64,
+    far: Option<f64>,
+    tracks: &CameraTracks,
+    time_s: f64,
+) -> Result<(Projection, f64, Option<f64>), String> {
+    let at = |track: &Option<Track>| track.as_ref().map(|track| track.sample(time_s).x);
+    let wrong = |what: &str, value: f64| format!("the animated {what} of its camera is {value}; fix its keys");
+    let projection = match (rest, at(&tracks.lens)) {
+        (rest, None) => rest,
+        (Projection::Perspective { .. }, Some(yfov_rad)) if yfov_rad > 0.0 && yfov_rad < PI => {
+            Projection::Perspective { yfov_rad }
+        }
+        (Projection::Perspective { .. }, Some(yfov)) => return Err(wrong("yfov", yfov)),
+        (Projection::Orthographic { .. }, Some(half_height)) if half_height > 0.0 && half_height.is_finite() => {
+            Projection::Orthographic { half_height }
+        }
+        (Projection::Orthographic { .. }, Some(ymag)) => return Err(wrong("ymag", ymag)),
+    };
+    let near = at(&tracks.near).unwrap_or(near);
+    let far = at(&tracks.far).or(far);
+    let may_be_zero = matches!(projection, Projection::Orthographic { .. });
+    if !(near > 0.0 || near == 0.0 && may_be_zero) {
+        return Err(wrong("znear", near));
+    }
+    match far.filter(|&far| far.is_nan() || far <= near) {
+        Some(far) => Err(format!("the animated zfar of its camera, {far}, is not beyond znear, {near}; fix the keys")),
+        None => Ok((projection, near, far)),
+    }
 }
 
 impl CameraSource {
@@ -132,23 +182,19 @@ impl CameraSource {
     /// orthonormalised rotation of its world matrix.
     ///
     /// # Errors
-    /// [`SceneError::Pose`] when the node's matrix is singular; [`SceneError::BadValue`] from the job's poses.
+    /// [`SceneError::Pose`] when the node's matrix is singular or the animated lens makes no sense; [`SceneError::BadValue`] from the job's poses.
     pub(super) fn at(&self, nodes: &[Node], pose: &Pose, origin: DVec3, time_s: f64) -> Result<Camera, SceneError> {
         match self {
             CameraSource::Posed(posed) => posed.at(origin, time_s),
-            CameraSource::Node { name, node, projection, near, far, .. } => {
+            CameraSource::Node { name, node, projection, near, far, tracks, .. } => {
                 let world = &pose.world_from_node[*node];
                 let world_from_camera = orthonormal_rotation(world.matrix3).ok_or_else(|| {
                     nodes[*node].pose_error("the camera has no orientation, an axis is scaled to 0", time_s)
                 })?;
-                Ok(Camera {
-                    name: name.clone(),
-                    position: world.translation - origin,
-                    world_from_camera,
-                    projection: *projection,
-                    near: *near,
-                    far: *far,
-                })
+                let (projection, near, far) = lens_at(*projection, *near, *far, tracks, time_s)
+                    .map_err(|problem| nodes[*node].pose_error(&problem, time_s))?;
+                let position = world.translation - origin;
+                Ok(Camera { name: name.clone(), position, world_from_camera, projection, near, far })
             }
         }
     }

@@ -103,6 +103,26 @@ pub enum SceneError {
         /// What to add.
         remedy: &'static str,
     },
+    /// The choice of animations is not settled.
+    #[error("{problem}; animations in the scene: {known}; {remedy}")]
+    Animation {
+        /// Unknown name.
+        problem: String,
+        /// Names, comma separated, or "none".
+        known: String,
+        /// What to add.
+        remedy: &'static str,
+    },
+    /// The choice of a glTF scene is not settled.
+    #[error(
+        "active_scene: no glTF scene is named {name:?}; scenes in the files: {known}; choose one of these with --active-scene NAME, or leave the key out for each file's own default"
+    )]
+    ActiveScene {
+        /// As written.
+        name: String,
+        /// Names, comma separated, or "none".
+        known: String,
+    },
     /// A frame range that cannot be read or is too long.
     #[error("frames.range = \"{range}\": {problem}")]
     FrameRange {

@@ -1,13 +1,18 @@
 //! Which lights a shot has, and where each is at a time.
 
-use super::model::{FileLight, FileLightKind, Model, Node};
+use super::model::{FileLight, FileLightKind, LightTracks, Model, Node};
 use super::names::{Found, Names, did_you_mean, find, list, name_all};
 use super::pose::{Pose, minus_z};
+use super::track::Track;
 use super::{Light, LightKind, LightKindName, LightParams, SceneError};
 use glam::DVec3;
+use std::f64::consts::FRAC_PI_2;
 
 const REMEDY: &str = "add lights to the file (KHR_lights_punctual), or [[light]] with name, kind and direction or \
                       position to the job";
+
+/// Widest cone that a file may state, half angle, radians: π/2, which writers round up to the next f32.
+pub(super) const WIDEST_CONE_RAD: f64 = std::f32::consts::FRAC_PI_2 as f64;
 
 /// A light of the shot.
 #[derive(Clone, Debug)]
@@ -22,6 +27,8 @@ pub(super) enum LightSource {
         node: usize,
         /// Without placement.
         kind: FileLightKind,
+        /// What the animation changes.
+        tracks: LightTracks,
     },
 }
 
@@ -65,7 +72,7 @@ pub(super) fn choose(params: &[LightParams], model: &Model) -> Result<Vec<LightS
 }
 
 fn from_node(name: String, light: &FileLight) -> LightSource {
-    LightSource::Node { name, node: light.node, kind: light.kind }
+    LightSource::Node { name, node: light.node, kind: light.kind, tracks: light.tracks.clone() }
 }
 
 fn key(light: &LightParams, key: &str) -> String {
@@ -143,10 +150,18 @@ fn defined(light: &LightParams, kind: LightKindName) -> Result<Light, SceneError
 }
 
 impl LightSource {
+    /// False while the light's node is hidden.
+    pub(super) fn is_on(&self, pose: &Pose) -> bool {
+        match self {
+            LightSource::Fixed(_) => true,
+            LightSource::Node { node, .. } => !pose.hidden[*node],
+        }
+    }
+
     /// The light in scene space, given the nodes' pose at a time.
     ///
     /// # Errors
-    /// [`SceneError::Pose`] when its node has no -z axis.
+    /// [`SceneError::Pose`] when its node has no -z axis, or its animated range or cone makes no sense.
     pub(super) fn at(&self, nodes: &[Node], pose: &Pose, origin: DVec3, time_s: f64) -> Result<Light, SceneError> {
         match self {
             LightSource::Fixed(light) => {
@@ -157,17 +172,30 @@ impl LightSource {
                 }
                 Ok(light)
             }
-            LightSource::Node { name, node, kind } => {
+            LightSource::Node { name, node, kind, tracks } => {
                 let world = &pose.world_from_node[*node];
                 let position = world.translation - origin;
                 let no_axis =
                     || nodes[*node].pose_error("the light has no direction, its z axis is scaled to 0", time_s);
                 let direction = || minus_z(world.matrix3).ok_or_else(no_axis);
+                let animated = |what, track: &Option<Track>, rest: Option<f64>, top: f64| match track {
+                    None => Ok(rest),
+                    Some(track) => match track.sample(time_s).x {
+                        value if value > 0.0 && value <= top => Ok(Some(value)),
+                        value => {
+                            let problem = format!("the animated {what} of its light is {value}; fix its keys");
+                            Err(nodes[*node].pose_error(&problem, time_s))
+                        }
+                    },
+                };
+                let range = |rest| animated("range", &tracks.range, rest, f64::INFINITY);
                 let kind = match *kind {
                     FileLightKind::Directional => LightKind::Directional { direction: direction()? },
-                    FileLightKind::Point { range } => LightKind::Point { position, range },
-                    FileLightKind::Spot { cone_rad, range } => {
-                        LightKind::Spot { position, direction: direction()?, cone_rad, range }
+                    FileLightKind::Point { range: rest } => LightKind::Point { position, range: range(rest)? },
+                    FileLightKind::Spot { cone_rad, range: rest } => {
+                        let cone = animated("outerConeAngle", &tracks.cone_rad, Some(cone_rad), WIDEST_CONE_RAD)?;
+                        let cone_rad = cone.unwrap_or(cone_rad).min(FRAC_PI_2);
+                        LightKind::Spot { position, direction: direction()?, cone_rad, range: range(rest)? }
                     }
                 };
                 Ok(Light { name: name.clone(), kind })

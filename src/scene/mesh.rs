@@ -9,6 +9,8 @@ use glam::DVec3;
 pub(super) struct MeshBuilder {
     /// So far.
     pub mesh: Mesh,
+    /// True for a mesh that deforms: a triangle without area at rest may get one.
+    pub deforms: bool,
     /// Triangles left out because they have no area.
     pub degenerate: usize,
     /// Triangles left out because nothing of them is there.
@@ -34,7 +36,7 @@ const UNUSED: u32 = u32::MAX;
 
 impl MeshBuilder {
     /// Adds triangles that index `vertices`; those for whose number `mark` has none are left out. It is asked only for
-    /// triangles whose indices are valid.
+    /// triangles whose indices are valid. Returns the indices of the vertices that the mesh took over, in its order.
     ///
     /// # Errors
     /// The first [`MeshFlaw`]; vertices that no triangle uses are not looked at.
@@ -43,7 +45,8 @@ impl MeshBuilder {
         vertices: &[DVec3],
         triangles: &[[u32; 3]],
         mark: impl Fn(usize) -> Option<Mark>,
-    ) -> Result<(), MeshFlaw> {
+    ) -> Result<Vec<u32>, MeshFlaw> {
+        let mut taken = Vec::new();
         let mut place_of = vec![UNUSED; vertices.len()];
         for (number, triangle) in triangles.iter().enumerate() {
             let mut corners = [DVec3::ZERO; 3];
@@ -54,7 +57,9 @@ impl MeshBuilder {
                     return Err(MeshFlaw::NotFinite { index, vertex: *corner });
                 }
             }
-            if !has_area(corners) {
+            let [a, b, c] = *triangle;
+            let collapsed = a == b || b == c || c == a;
+            if collapsed || !self.deforms && !has_area(corners) {
                 self.degenerate += 1;
                 continue;
             }
@@ -71,13 +76,14 @@ impl MeshBuilder {
                         return Err(MeshFlaw::TooLarge);
                     }
                     self.mesh.vertices.push(corner);
+                    taken.push(index);
                 }
                 *kept = *place;
             }
             self.mesh.triangles.push(kept);
             self.mesh.marks.push(mark);
         }
-        Ok(())
+        Ok(taken)
     }
 }
 

@@ -1,7 +1,9 @@
 //! Files → an immutable, fully resolved [`Scene`]; `Scene::frame(t)` → camera, lights, moving triangles.
 //!
-//! Readers (`gltf/`, `obj`, called by `read`) fill a `model`; `camera_source`, `light_source` and `frames` settle what the job leaves open;
-//! `bake` poses the model, tells still from moving parts, chooses the origin and makes triangles; `shot` runs the stage.
+//! Readers (`gltf/`, `obj`, called by `read`) fill a `model`; `camera_source`, `light_source` and `frames` settle what the
+//! job leaves open; `clip` chooses the animations that play; `split` poses the model at all frames and tells still from
+//! moving parts, `rig` says where the vertices of a part are (nodes, instances, skins, morph targets), `bake` chooses the
+//! origin and makes triangles; `shot` runs the stage.
 //!
 //! After this stage there are no nodes, no accessors, no units, no keyframes: only triangles in scene space.
 
@@ -11,6 +13,7 @@ mod camera;
 mod camera_file;
 mod camera_pose;
 mod camera_source;
+mod clip;
 mod error;
 mod file;
 mod frames;
@@ -29,7 +32,9 @@ mod params;
 mod polygon;
 mod pose;
 mod read;
+mod rig;
 mod shot;
+mod split;
 mod track;
 
 pub use camera::{Camera, Film, Projection};

@@ -1,11 +1,13 @@
-//! What the readers of files hand over: nodes, meshes, cameras and lights of all files of a job in one [`Model`].
-//! Nothing here is resolved yet; names may clash, and nothing has been chosen.
+//! What the readers of files hand over: nodes, meshes, cameras, lights and animations of all files of a job in one
+//! [`Model`]. Nothing here is resolved yet; names may clash, and nothing has been chosen.
 
+use super::clip::Clip;
 use super::marks::Marks;
 use super::mask::Mask;
 use super::track::{Track, unit_quat};
 use super::{Projection, SceneError};
 use glam::{DAffine3, DQuat, DVec3};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -16,6 +18,10 @@ pub(super) struct Model {
     pub nodes: Vec<Node>,
     /// Referenced by index from `parts`.
     pub meshes: Vec<Mesh>,
+    /// Referenced by index from `parts`.
+    pub skins: Vec<Skin>,
+    /// Node-from-instance of repeated parts, referenced by index from `parts`.
+    pub instances: Vec<DAffine3>,
     /// Meshes placed by nodes.
     pub parts: Vec<Part>,
     /// Of the marks of meshes.
@@ -24,8 +30,8 @@ pub(super) struct Model {
     pub cameras: Vec<FileCamera>,
     /// In file order.
     pub lights: Vec<FileLight>,
-    /// Time of the last key of any node, seconds; `None` without animation.
-    pub last_key_s: Option<f64>,
+    /// Animations of all files, in file order; none plays until one is chosen.
+    pub clips: Vec<Clip>,
     /// Every file read.
     pub inputs: Vec<PathBuf>,
     /// Remarks for the user.
@@ -45,6 +51,10 @@ pub(super) struct Node {
     pub parent: Option<usize>,
     /// At rest.
     pub local: Local,
+    /// True when the node and all below it are neither seen nor cast shadows, at rest.
+    pub hidden: bool,
+    /// Weights of the morph targets of its mesh at rest; `None` = those of the mesh.
+    pub weights: Option<Vec<f64>>,
     /// What the animation changes.
     pub tracks: Tracks,
 }
@@ -74,12 +84,16 @@ pub(super) struct Tracks {
     pub rotation: Option<Track>,
     /// Replaces the scale.
     pub scale: Option<Track>,
+    /// Visible where not 0; replaces `!hidden`.
+    pub visible: Option<Track>,
+    /// By morph target: replaces its weight.
+    pub weights: BTreeMap<usize, Track>,
 }
 
 impl Tracks {
-    /// True when nothing is animated.
-    pub(super) fn is_empty(&self) -> bool {
-        self.translation.is_none() && self.rotation.is_none() && self.scale.is_none()
+    /// True when neither the node's transform nor its visibility is animated.
+    pub(super) fn is_still(&self) -> bool {
+        self.translation.is_none() && self.rotation.is_none() && self.scale.is_none() && self.visible.is_none()
     }
 }
 
@@ -108,6 +122,11 @@ impl Node {
         ))
     }
 
+    /// True when the node itself hides what is below it at a time.
+    pub(super) fn hides(&self, time_s: f64) -> bool {
+        self.tracks.visible.as_ref().map_or(self.hidden, |track| track.sample(time_s).x == 0.0)
+    }
+
     /// A [`SceneError::Pose`] at this node.
     pub(super) fn pose_error(&self, problem: &str, time_s: f64) -> SceneError {
         SceneError::Pose { path: self.file.to_path_buf(), place: self.place(), problem: problem.into(), time_s }
@@ -119,7 +138,8 @@ pub(super) fn place(kind: &str, index: usize, name: Option<&str>) -> String {
     name.map_or_else(|| format!("{kind} {index}"), |name| format!("{kind} {index} {name:?}"))
 }
 
-/// Indexed triangles in the space of a node. Vertices are finite, indices valid, no triangle has zero area.
+/// Indexed triangles in the space of a node. Vertices are finite, indices valid; no triangle has zero area, unless the
+/// mesh deforms.
 #[derive(Debug, Default)]
 pub(super) struct Mesh {
     /// f64: OBJ files of surveys hold world coordinates that f32 loses.
@@ -128,6 +148,38 @@ pub(super) struct Mesh {
     pub triangles: Vec<[u32; 3]>,
     /// Of the triangles.
     pub marks: Marks,
+    /// Morph targets: vertices by index, each once, with what full weight adds to them.
+    pub targets: Vec<Vec<(u32, DVec3)>>,
+    /// Weights of the targets at rest, one each.
+    pub rest_weights: Vec<f64>,
+    /// Joints that move each vertex; `None` for a mesh without.
+    pub influences: Option<Influences>,
+}
+
+/// The joints of each vertex, by index into [`Skin::joints`]. The weights of a vertex are positive and sum to 1.
+#[derive(Debug, Default)]
+pub(super) struct Influences {
+    /// Where each vertex's entries end; they begin where those of the vertex before end.
+    pub ends: Vec<usize>,
+    /// Joint and weight. A vertex without any moves with its node.
+    pub entries: Vec<(u16, f64)>,
+}
+
+impl Influences {
+    /// Entries of a vertex.
+    pub(super) fn of(&self, vertex: usize) -> &[(u16, f64)] {
+        let begin = vertex.checked_sub(1).map_or(0, |before| self.ends[before]);
+        &self.entries[begin..self.ends[vertex]]
+    }
+}
+
+/// Joints that bend meshes.
+#[derive(Debug)]
+pub(super) struct Skin {
+    /// Indices into [`Model::nodes`].
+    pub joints: Vec<usize>,
+    /// Joint-from-mesh at bind time, one a joint.
+    pub inverse_bind: Vec<DAffine3>,
 }
 
 /// A mesh placed by a node.
@@ -137,6 +189,10 @@ pub(super) struct Part {
     pub node: usize,
     /// Index into [`Model::meshes`].
     pub mesh: usize,
+    /// Index into [`Model::skins`]; the vertices then follow the joints, not the node.
+    pub skin: Option<usize>,
+    /// Index into [`Model::instances`].
+    pub instance: Option<usize>,
 }
 
 /// A camera of a file.
@@ -154,6 +210,19 @@ pub(super) struct FileCamera {
     pub near: f64,
     /// Metres; `None` = infinite.
     pub far: Option<f64>,
+    /// What the animation changes.
+    pub tracks: CameraTracks,
+}
+
+/// Animated properties of a camera.
+#[derive(Clone, Debug, Default)]
+pub(super) struct CameraTracks {
+    /// Vertical field of view, radians, or half height, metres: whichever the projection has.
+    pub lens: Option<Track>,
+    /// Metres.
+    pub near: Option<Track>,
+    /// Metres.
+    pub far: Option<Track>,
 }
 
 /// A light of a file.
@@ -165,6 +234,17 @@ pub(super) struct FileLight {
     pub name: Option<String>,
     /// Without its placement.
     pub kind: FileLightKind,
+    /// What the animation changes.
+    pub tracks: LightTracks,
+}
+
+/// Animated properties of a light.
+#[derive(Clone, Debug, Default)]
+pub(super) struct LightTracks {
+    /// Metres.
+    pub range: Option<Track>,
+    /// Half angle, radians.
+    pub cone_rad: Option<Track>,
 }
 
 impl FileCamera {

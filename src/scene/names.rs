@@ -1,9 +1,9 @@
-//! Names of cameras and lights: how a job refers to them, and how they are listed.
+//! Names of cameras, lights and animations: how a job refers to them, and how they are listed.
 
 use super::model::Node;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// The names of one camera or light of a file.
+/// The names of one camera, light or animation of a file.
 #[derive(Clone, Debug)]
 pub(super) struct Names {
     /// Unique among its kind: its own name where no other has it, else its node's name, else the kind with a number;
@@ -15,9 +15,16 @@ pub(super) struct Names {
 
 /// Names of all things of a kind, given the nodes that hold them and their own names.
 pub(super) fn name_all<'a>(kind: &str, things: impl Iterator<Item = (&'a Node, Option<&'a str>)>) -> Vec<Names> {
-    let things: Vec<_> = things
-        .map(|(node, own)| [own, node.name.as_deref()].map(|name| name.filter(|name| !name.is_empty())))
-        .collect();
+    unique(kind, things.map(|(node, own)| [own, node.name.as_deref()]))
+}
+
+/// Names of all things of a kind that no node holds, given their own names.
+pub(super) fn name_plain<'a>(kind: &str, things: impl Iterator<Item = Option<&'a str>>) -> Vec<Names> {
+    unique(kind, things.map(|own| [own, None]))
+}
+
+fn unique<'a>(kind: &str, things: impl Iterator<Item = [Option<&'a str>; 2]>) -> Vec<Names> {
+    let things: Vec<_> = things.map(|names| names.map(|name| name.filter(|name| !name.is_empty()))).collect();
     let mut uses = BTreeMap::new();
     for [own, _] in &things {
         *uses.entry(*own).or_insert(0) += 1;
@@ -63,11 +70,9 @@ pub(super) fn find(all: &[Names], wanted: &str) -> Found {
 }
 
 /// For messages: `"sun", "lamp"`, or `none`.
-pub(super) fn list(all: &[Names]) -> String {
-    if all.is_empty() {
-        return "none".into();
-    }
-    all.iter().map(|names| format!("{:?}", names.unique)).collect::<Vec<_>>().join(", ")
+pub(super) fn list<'a>(all: impl IntoIterator<Item = &'a Names>) -> String {
+    let quoted: Vec<String> = all.into_iter().map(|names| format!("{:?}", names.unique)).collect();
+    if quoted.is_empty() { "none".into() } else { quoted.join(", ") }
 }
 
 /// For messages: the nearest known name to one that was not found.
@@ -95,6 +100,8 @@ mod tests {
             index: 0,
             parent: None,
             local: Local::Matrix(DAffine3::IDENTITY),
+            hidden: false,
+            weights: None,
             tracks: Tracks::default(),
         }
     }

@@ -52,8 +52,17 @@ pub(super) fn read(path: &Path, bytes: &[u8], blend: BlendRule, model: &mut Mode
         }
     }
     let local = Local::Trs { translation: DVec3::ZERO, rotation: DQuat::IDENTITY, scale: DVec3::ONE };
-    let node = Node { file: Arc::from(path), name: None, index: 0, parent: None, local, tracks: Tracks::default() };
-    model.parts.push(Part { node: model.nodes.len(), mesh: model.meshes.len() });
+    let node = Node {
+        file: Arc::from(path),
+        name: None,
+        index: 0,
+        parent: None,
+        local,
+        hidden: false,
+        weights: None,
+        tracks: Tracks::default(),
+    };
+    model.parts.push(Part { node: model.nodes.len(), mesh: model.meshes.len(), skin: None, instance: None });
     model.nodes.push(node);
     model.meshes.push(builder.mesh);
     Ok(())

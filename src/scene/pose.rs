@@ -1,21 +1,23 @@
-//! World matrices of all nodes at a time. Nodes stand parents first, so one pass without recursion does it.
+//! World matrices and visibility of all nodes at a time. Nodes stand parents first, so one pass without recursion does it.
 
 use super::SceneError;
 use super::model::Node;
 use glam::{DAffine3, DMat3, DVec3};
 
-/// World matrices, kept up to date from time to time by re-posing only what is animated.
+/// World matrices and visibility, kept up to date from time to time by re-posing only what is animated.
 #[derive(Clone, Debug)]
 pub(super) struct Pose {
     /// World-from-node, one a node.
     pub world_from_node: Vec<DAffine3>,
+    /// True for a node that hides itself or lies below one that does.
+    pub hidden: Vec<bool>,
 }
 
-/// Nodes whose world matrix may change: those animated themselves or below an animated one, parents first.
+/// Nodes whose world matrix or visibility may change: those animated themselves or below an animated one, parents first.
 pub(super) fn animated_nodes(nodes: &[Node]) -> Vec<usize> {
     let mut animated = vec![false; nodes.len()];
     for (index, node) in nodes.iter().enumerate() {
-        animated[index] = !node.tracks.is_empty() || node.parent.is_some_and(|parent| animated[parent]);
+        animated[index] = !node.tracks.is_still() || node.parent.is_some_and(|parent| animated[parent]);
     }
     (0..nodes.len()).filter(|&index| animated[index]).collect()
 }
@@ -26,7 +28,8 @@ impl Pose {
     /// # Errors
     /// [`SceneError::Pose`] for a rotation without length or an overflow.
     pub(super) fn at(nodes: &[Node], time_s: f64) -> Result<Self, SceneError> {
-        let mut pose = Pose { world_from_node: vec![DAffine3::IDENTITY; nodes.len()] };
+        let mut pose =
+            Pose { world_from_node: vec![DAffine3::IDENTITY; nodes.len()], hidden: vec![false; nodes.len()] };
         pose.move_to(nodes, 0..nodes.len(), time_s)?;
         Ok(pose)
     }
@@ -46,6 +49,7 @@ impl Pose {
                 return Err(node.pose_error("the transform overflows; check scales and matrices above it", time_s));
             }
             self.world_from_node[index] = world;
+            self.hidden[index] = node.hides(time_s) || node.parent.is_some_and(|parent| self.hidden[parent]);
         }
         Ok(())
     }

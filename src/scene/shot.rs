@@ -1,18 +1,21 @@
 //! Files and parameters → a [`Shot`]: the scene, the film and the frames to plan.
 
-use super::bake::{self, Bounds, Placed, Split, place_part};
+use super::bake::{self, Bounds, Placed, place_part};
 use super::camera_source::{self, CameraSource, Surroundings};
+use super::clip;
 use super::frames::{self, DEFAULT_FPS, FrameTime};
 use super::light_source::{self, LightSource};
 use super::marks::Marks;
 use super::mask::Mask;
-use super::model::{Mesh, Model, Node, Part};
+use super::model::{Mesh, Model, Node, Part, Skin};
 use super::pose::Pose;
+use super::rig::Rig;
+use super::split::{self, Split};
 use super::{
     CameraParams, Film, FramesParams, Geometry, ImageParams, LightParams, SceneError, SceneFile, SceneFrame, Triangle,
     VisibilityParams, read,
 };
-use glam::DVec3;
+use glam::{DAffine3, DVec3};
 use std::path::PathBuf;
 
 /// Width of the film where the job gives no size, pixels.
@@ -27,6 +30,10 @@ const MAX_SIDE: u32 = 65_535;
 pub struct ShotParams<'a> {
     /// Scene files, their paths resolved; merged into one scene.
     pub scene: &'a [SceneFile],
+    /// `active_scene`: of glTF files that hold several; `None` = each file's default.
+    pub active_scene: Option<&'a str>,
+    /// `animation`: names of the animations that play; `None` = all that go together.
+    pub animation: Option<&'a [String]>,
     /// `[frames]`.
     pub frames: &'a FramesParams,
     /// `[image]`.
@@ -65,8 +72,12 @@ pub struct Scene {
     pub inputs: Vec<PathBuf>,
     /// Remarks for the user, each once: what was ignored or dropped.
     pub notes: Vec<String>,
+    /// Names of the animations that play.
+    pub animations: Vec<String>,
     nodes: Vec<Node>,
     meshes: Vec<Mesh>,
+    skins: Vec<Skin>,
+    instances: Vec<DAffine3>,
     moving: Vec<Part>,
     animated: Vec<usize>,
     first: Pose,
@@ -77,28 +88,26 @@ pub struct Scene {
 /// Reads the files and settles camera, lights, frames and film.
 ///
 /// # Errors
-/// Any [`SceneError`]: unreadable or broken files, features not supported yet, an unsettled choice of camera or lights,
-/// keys that make no sense, transforms that break at some frame of the shot.
+/// Any [`SceneError`]: unreadable or broken files, features not supported yet, an unsettled choice of camera, lights,
+/// animations or glTF scene, keys that make no sense, transforms that break at some frame of the shot.
 pub fn load(params: &ShotParams<'_>) -> Result<Shot, SceneError> {
-    let mut model = Model::default();
-    for file in params.scene {
-        read::scene(file, params.visibility.blend, &mut model)?;
-    }
-    let path = read::camera(params.camera, &mut model)?;
+    let (mut model, path) = read::all(params)?;
     let params = &ShotParams { camera: path.as_ref().unwrap_or(params.camera), ..*params };
+    let played = clip::play(params.animation, &mut model)?;
     let fps = params.frames.fps.unwrap_or(DEFAULT_FPS);
     if !(fps > 0.0 && fps.is_finite()) {
         return Err(SceneError::bad_value("frames.fps", fps, "must be positive"));
     }
-    let frames = frame_times(params, &model, fps)?;
+    let frames = frame_times(params, played.last_key_s, fps)?;
     let lights = light_source::choose(params.lights, &model)?;
 
-    let split = bake::split(&model, &frames)?;
+    let split = split::split(&model, &frames)?;
     let origin = bake::origin(&split.bounds);
     let first_s = frames.first().map_or(0.0, |frame| frame.time_s);
     let Placed { triangles: still, marks: still_marks } = bake_still(&mut model, &split, origin, first_s)?;
-    let moving = posed_triangles(&model.nodes, &model.meshes, &split.moving, &split.first, origin, first_s)?.triangles;
-    if still.is_empty() && moving.is_empty() {
+    let moving = posed_triangles(Rig::of(&model), &split.moving, &split.first, origin, first_s)?.triangles;
+    // Moving parts may have none at the first frame only.
+    if still.is_empty() && split.moving.iter().all(|part| model.meshes[part.mesh].triangles.is_empty()) {
         let files: Vec<String> = params.scene.iter().map(|file| file.path().display().to_string()).collect();
         return Err(SceneError::NoTriangles { files: files.join(", ") });
     }
@@ -107,7 +116,7 @@ pub fn load(params: &ShotParams<'_>) -> Result<Shot, SceneError> {
     let camera = camera_source::choose(params.camera, &model, fps, film_of_poses.aspect(), &around)?;
     let film = film(params.image, camera.aspect())?;
 
-    let Model { nodes, mut meshes, masks, inputs, notes, .. } = model;
+    let Model { nodes, mut meshes, skins, instances, masks, inputs, notes, .. } = model;
     let mut kept = vec![false; meshes.len()];
     for part in &split.moving {
         kept[part.mesh] = true;
@@ -123,8 +132,11 @@ pub fn load(params: &ShotParams<'_>) -> Result<Shot, SceneError> {
         masks,
         inputs,
         notes,
+        animations: played.names,
         nodes,
         meshes,
+        skins,
+        instances,
         moving,
         animated,
         first,
@@ -136,7 +148,8 @@ pub fn load(params: &ShotParams<'_>) -> Result<Shot, SceneError> {
 
 impl Scene {
     /// Camera, lights and moving triangles at a time of one of the shot's frames. (At other times parts that happen to
-    /// stand still at all frames stay where they are.) Triangles that lose their area at that time are left out.
+    /// stand still at all frames stay where they are.) Triangles that lose their area at that time are left out, as are
+    /// parts and lights that are hidden then.
     ///
     /// # Errors
     /// [`SceneError::Pose`] when a transform breaks at that time, [`SceneError::BadValue`] when a pose of the job does.
@@ -145,9 +158,10 @@ impl Scene {
         pose.move_to(&self.nodes, self.animated.iter().copied(), time_s)?;
         let camera = self.camera.at(&self.nodes, &pose, self.origin, time_s)?;
         let light = |light: &LightSource| light.at(&self.nodes, &pose, self.origin, time_s);
-        let lights = self.lights.iter().map(light).collect::<Result<_, _>>()?;
+        let lights = self.lights.iter().filter(|light| light.is_on(&pose)).map(light).collect::<Result<_, _>>()?;
+        let rig = Rig { nodes: &self.nodes, meshes: &self.meshes, skins: &self.skins, instances: &self.instances };
         let Placed { triangles: moving, marks: moving_marks } =
-            posed_triangles(&self.nodes, &self.meshes, &self.moving, &pose, self.origin, time_s)?;
+            posed_triangles(rig, &self.moving, &pose, self.origin, time_s)?;
         Ok(SceneFrame { time_s, camera, lights, moving, moving_marks })
     }
 
@@ -163,12 +177,12 @@ impl Scene {
 }
 
 /// The frames of the range, or of the whole animation: that of the files and the camera's keys.
-fn frame_times(params: &ShotParams<'_>, model: &Model, fps: f64) -> Result<Vec<FrameTime>, SceneError> {
+fn frame_times(params: &ShotParams<'_>, last_key_s: Option<f64>, fps: f64) -> Result<Vec<FrameTime>, SceneError> {
     let numbers = match &params.frames.range {
         Some(range) => frames::parse_range(range)?,
         None => {
             let keys = params.camera.key.iter().map(|key| frames::time_s(key.frame, fps));
-            let last_s = keys.fold(model.last_key_s.unwrap_or(0.0), f64::max);
+            let last_s = keys.fold(last_key_s.unwrap_or(0.0), f64::max);
             frames::whole_animation(last_s, fps)?
         }
     };
@@ -187,9 +201,7 @@ fn bake_still(model: &mut Model, split: &Split, origin: DVec3, time_s: f64) -> R
     }
     let mut dropped = 0;
     for part in &split.still {
-        let (node, mesh) = (&model.nodes[part.node], &model.meshes[part.mesh]);
-        let world = &split.first.world_from_node[part.node];
-        dropped += place_part(node, mesh, world, origin, time_s, &mut still)?;
+        dropped += place_part(Rig::of(model), part, &split.first, origin, time_s, &mut still)?;
     }
     if dropped > 0 {
         model.notes.push(format!("{dropped} triangles dropped that have no area once placed and rounded to f32"));
@@ -201,26 +213,29 @@ fn bake_still(model: &mut Model, split: &Split, origin: DVec3, time_s: f64) -> R
 }
 
 fn posed_triangles(
-    nodes: &[Node],
-    meshes: &[Mesh],
+    rig: Rig<'_>,
     parts: &[Part],
     pose: &Pose,
     origin: DVec3,
     time_s: f64,
 ) -> Result<Placed, SceneError> {
+    let count = parts.iter().map(|part| rig.mesh(part).triangles.len() as u64).sum::<u64>();
     let mut placed = Placed::default();
-    placed.triangles.reserve(parts.iter().map(|part| meshes[part.mesh].triangles.len()).sum());
+    if placed.triangles.try_reserve_exact(count as usize).is_err() {
+        return Err(SceneError::TooManyTriangles { triangles: count, limit: u64::from(u32::MAX) });
+    }
     for part in parts {
-        let world = &pose.world_from_node[part.node];
-        place_part(&nodes[part.node], &meshes[part.mesh], world, origin, time_s, &mut placed)?;
+        place_part(rig, part, pose, origin, time_s, &mut placed)?;
     }
     Ok(placed)
 }
 
 fn surroundings(still: &[Triangle], moving: &[Triangle], bounds: &Bounds, origin: DVec3) -> Surroundings {
-    let vertices = || still.iter().chain(moving).flatten().map(|v| v.as_dvec3());
-    let (centre, radius) = Bounds::sphere(vertices);
-    let centre = centre + origin;
+    let vertices = || still.iter().chain(moving).flatten().map(|v| v.as_dvec3() + origin);
+    let (centre, radius) = match vertices().next() {
+        Some(_) => Bounds::sphere(vertices),
+        None => Bounds::sphere(|| bounds.ends().into_iter()),
+    };
     let reach = bounds.corners().into_iter().map(|corner| corner.distance(centre)).fold(radius, f64::max);
     Surroundings { centre, radius, reach, diagonal: bounds.diagonal() }
 }

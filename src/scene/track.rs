@@ -39,6 +39,11 @@ impl Track {
         Track { times_s: vec![0.0], values: vec![value], interpolation: Interpolation::Step, rotation: false }
     }
 
+    /// All values, and their tangents, times a factor.
+    pub(super) fn scale(&mut self, factor: f64) {
+        self.values.iter_mut().for_each(|value| *value *= factor);
+    }
+
     /// Value at a time. Rotations come out unnormalised from splines.
     pub(super) fn sample(&self, time_s: f64) -> DVec4 {
         let value = |key: usize| match self.interpolation {

@@ -96,7 +96,7 @@ def judge(plan, options):
     for frame in plan["frames"]:
         if options.frames and frame["frame"] not in options.frames:
             continue
-        truth = Truth(scene.triangles_at(options.files, frame["time_s"]) - origin)
+        truth = Truth(scene.triangles_at(options.files, frame["time_s"], job.get("animation") or []) - origin)
         if options.given_offset is None:
             options.offset = OFFSET * float(np.abs(truth.triangles).max(initial=0.0))
         else:

@@ -1,6 +1,8 @@
 //! Loads every scene under the folder that LIXEL_SCENES names, and prints what came of it. Nothing is asserted but
 //! that each file either loads, with sound frames, or is refused with a message that names it. Without the variable
-//! there is nothing to do. LIXEL_POSES=1 prints every camera and light, for comparison with other readers.
+//! there is nothing to do. LIXEL_POSES=1 prints every camera and light, for comparison with other readers;
+//! LIXEL_DUMP=folder writes the triangles of up to five frames of each file there, for `tests/oracle/gltf_pose.py`;
+//! LIXEL_ANIMATION chooses an animation by name.
 
 use lixel::scene::{
     CameraParams, FramesParams, ImageParams, LightKindName, LightParams, Shot, ShotParams, VisibilityParams, load,
@@ -31,10 +33,14 @@ fn try_load(path: &Path) -> Result<Shot, String> {
         ..LightParams::default()
     }];
     let (frames, image) = (FramesParams::default(), ImageParams::default());
+    let animation: Option<[String; 1]> = std::env::var("LIXEL_ANIMATION").ok().map(|name| [name]);
+    let animation = animation.as_ref().map(<[String; 1]>::as_slice);
     let mut last = Err(String::new());
     for (camera, lights) in [(&own, &[][..]), (&own, &sun), (&all, &[]), (&all, &sun)] {
         let params = ShotParams {
             scene: &scene,
+            active_scene: None,
+            animation,
             frames: &frames,
             image: &image,
             camera,
@@ -79,6 +85,19 @@ fn describe(shot: &Shot) -> String {
     )
 }
 
+/// Up to five frames, evenly spread, as `<folder>/<file name>/<seconds>.f32`.
+fn dump(shot: &Shot, folder: &Path) {
+    std::fs::create_dir_all(folder).unwrap();
+    let [x, y, z] = shot.scene.origin.to_array();
+    std::fs::write(folder.join("origin.txt"), format!("{x} {y} {z}\n")).unwrap();
+    for time in shot.frames.iter().step_by(shot.frames.len().div_ceil(5)) {
+        let frame = shot.scene.frame(time.time_s).unwrap();
+        let triangles = shot.scene.still.iter().chain(&frame.moving).flatten();
+        let bytes: Vec<u8> = triangles.flat_map(|v| v.to_array()).flat_map(f32::to_le_bytes).collect();
+        std::fs::write(folder.join(format!("{}.f32", time.time_s)), bytes).unwrap();
+    }
+}
+
 #[test]
 fn scenes_load_or_are_refused_by_name() {
     let Some(folder) = std::env::var_os("LIXEL_SCENES") else { return };
@@ -86,7 +105,12 @@ fn scenes_load_or_are_refused_by_name() {
     files(Path::new(&folder), &mut paths);
     for path in paths {
         match try_load(&path) {
-            Ok(shot) => println!("{}: {}", path.display(), describe(&shot)),
+            Ok(shot) => {
+                println!("{}: {}", path.display(), describe(&shot));
+                if let Some(folder) = std::env::var_os("LIXEL_DUMP") {
+                    dump(&shot, &Path::new(&folder).join(path.file_name().unwrap()));
+                }
+            }
             Err(message) => {
                 println!("refused: {message}");
                 assert!(message.contains(path.file_name().unwrap().to_str().unwrap()), "{message}");

@@ -67,6 +67,7 @@ impl Gltf {
         let width = match kind {
             "SCALAR" => 1,
             "VEC3" => 3,
+            "MAT4" => 16,
             _ => 4,
         };
         let bytes: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
@@ -82,7 +83,12 @@ impl Gltf {
     /// Animates a node's property.
     pub(crate) fn animate(&mut self, node: usize, path: &str, interpolation: &str, times: &[f32], values: &[f32]) {
         let input = self.f32s("SCALAR", times);
-        let output = self.f32s(if path == "rotation" { "VEC4" } else { "VEC3" }, values);
+        let kind = match path {
+            "rotation" => "VEC4",
+            "weights" => "SCALAR",
+            _ => "VEC3",
+        };
+        let output = self.f32s(kind, values);
         self.push(
             "animations",
             json!({
@@ -90,6 +96,27 @@ impl Gltf {
                 "samplers": [{ "input": input, "output": output, "interpolation": interpolation }]
             }),
         );
+    }
+
+    /// Animates what a JSON pointer names, linearly from 0 to 1 s between two rows of values.
+    pub(crate) fn animate_pointer(&mut self, pointer: &str, kind: &str, values: &[f32]) {
+        let (input, output) = (self.f32s("SCALAR", &[0.0, 1.0]), self.f32s(kind, values));
+        let extension = json!({ "KHR_animation_pointer": { "pointer": pointer } });
+        self.push(
+            "animations",
+            json!({
+                "name": pointer,
+                "channels": [{ "sampler": 0, "target": { "path": "pointer", "extensions": extension } }],
+                "samplers": [{ "input": input, "output": output }]
+            }),
+        );
+    }
+
+    /// Adds a node to the scene's roots.
+    pub(crate) fn root(&mut self, node: Value) -> usize {
+        let index = self.push("nodes", node);
+        self.json["scenes"][0]["nodes"].as_array_mut().unwrap().push(json!(index));
+        index
     }
 
     /// The file as a GLB.
@@ -139,6 +166,8 @@ pub(crate) fn write(folder: &Path, name: &str, bytes: &[u8]) -> PathBuf {
 #[derive(Default)]
 pub(crate) struct Job {
     pub(crate) scene: Vec<PathBuf>,
+    pub(crate) active_scene: Option<String>,
+    pub(crate) animation: Option<Vec<String>>,
     pub(crate) frames: FramesParams,
     pub(crate) image: ImageParams,
     pub(crate) camera: CameraParams,
@@ -162,6 +191,8 @@ impl Job {
     pub(crate) fn load(&self) -> Result<Shot, SceneError> {
         load(&ShotParams {
             scene: &self.scene.iter().map(|path| path.as_path().into()).collect::<Vec<_>>(),
+            active_scene: self.active_scene.as_deref(),
+            animation: self.animation.as_deref(),
             frames: &self.frames,
             image: &self.image,
             camera: &self.camera,

@@ -192,7 +192,11 @@ fn animations_that_clash_are_noted() {
     gltf.animate(0, "translation", "STEP", &[0.0], &[2.0, 0.0, 0.0]);
     let shot = gltf.load().unwrap();
     assert_eq!(shot.scene.still[0][0].x, 1.0);
-    assert!(shot.scene.notes.iter().any(|note| note.contains("animation 1, channel 0")), "{:?}", shot.scene.notes);
+    assert!(
+        shot.scene.notes.iter().any(|note| note.contains("that do not: \"animation-1\"")),
+        "{:?}",
+        shot.scene.notes
+    );
 }
 
 #[test]

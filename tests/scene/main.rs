@@ -3,9 +3,11 @@
 
 mod compressed;
 mod corpus;
+mod deform;
 mod fixture;
 mod gltf;
 mod hostile;
 mod masks;
+mod play;
 mod shot;
 mod sources;

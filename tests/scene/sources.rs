@@ -15,6 +15,9 @@ fn files_are_converted_and_placed_once() {
     let mut gltf = Gltf::triangle();
     gltf.json["extensions"]["KHR_lights_punctual"]["lights"][0] =
         serde_json::json!({ "name": "lamp", "type": "point", "range": 300 });
+    gltf.animate_pointer("/cameras/0/perspective/znear", "SCALAR", &[0.1, 0.3]);
+    gltf.animate_pointer("/cameras/0/perspective/yfov", "SCALAR", &[0.8, 0.4]);
+    gltf.animate_pointer("/extensions/KHR_lights_punctual/lights/0/range", "SCALAR", &[300.0, 100.0]);
     let gltf = gltf.write(folder.path());
     let raised = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 7.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
     let scene = [
@@ -24,6 +27,8 @@ fn files_are_converted_and_placed_once() {
     ];
     let shot = load(&ShotParams {
         scene: &scene,
+        active_scene: None,
+        animation: None,
         frames: &FramesParams::default(),
         image: &ImageParams::default(),
         camera: &CameraParams::default(),
@@ -36,8 +41,38 @@ fn files_are_converted_and_placed_once() {
     assert_eq!(shot.scene.still[2][0], Vec3::new(0.0, 0.0, 100.0));
     let frame = shot.scene.frame(0.0).unwrap();
     assert!(frame.camera.position.abs_diff_eq(DVec3::new(0.0, 0.0, 0.05), 1e-12));
-    assert!((frame.camera.near - 0.001).abs() < 1e-12, "{}", frame.camera.near);
+    assert!((frame.camera.near - 0.001).abs() < 1e-9, "{}", frame.camera.near);
     assert!(frame.lights[0].reaches(DVec3::X * 2.9) && !frame.lights[0].reaches(DVec3::X * 3.1));
+    let last = shot.scene.frame(1.0).unwrap();
+    assert!((last.camera.near - 0.003).abs() < 1e-9, "{}", last.camera.near);
+    assert!(matches!(last.camera.projection, Projection::Perspective { yfov_rad } if (yfov_rad - 0.4).abs() < 1e-6));
+    assert!(last.lights[0].reaches(DVec3::X * 0.9) && !last.lights[0].reaches(DVec3::X * 1.1));
+}
+
+#[test]
+fn a_camera_file_brings_its_animations_but_no_light_of_its_own() {
+    let folder = tempfile::tempdir().unwrap();
+    let range = "/extensions/KHR_lights_punctual/lights/0/range";
+    let lamp = serde_json::json!({ "name": "lamp", "type": "point", "range": 3 });
+    let mut set = Gltf::triangle();
+    set.json["extensions"]["KHR_lights_punctual"]["lights"][0] = lamp.clone();
+    set.animate_pointer("/cameras/0/perspective/znear", "SCALAR", &[0.1, 0.3]);
+    set.animate_pointer(range, "SCALAR", &[3.0, 1.0]);
+    let set = set.write(folder.path());
+    let mut film = Gltf::triangle();
+    film.json["extensions"]["KHR_lights_punctual"]["lights"][0] = lamp;
+    film.animate_pointer("/cameras/0/perspective/yfov", "SCALAR", &[0.8, 0.4]);
+    film.animate_pointer(range, "SCALAR", &[3.0, 7.0]);
+    let film = write(folder.path(), "film.glb", &film.glb());
+    let mut job = Job::of(&[set]);
+    job.camera.file = Some(film);
+    let shot = job.load().unwrap();
+    let last = shot.scene.frame(1.0).unwrap();
+    assert!((last.camera.near - 0.1).abs() < 1e-9, "the set's camera has no say: {}", last.camera.near);
+    assert!(matches!(last.camera.projection, Projection::Perspective { yfov_rad } if (yfov_rad - 0.4).abs() < 1e-6));
+    assert_eq!(last.lights.len(), 1);
+    assert!(last.lights[0].reaches(DVec3::X * 0.9) && !last.lights[0].reaches(DVec3::X * 1.1));
+    assert_eq!(shot.scene.animations, [range, "/cameras/0/perspective/yfov"]);
 }
 
 #[test]

@@ -122,6 +122,19 @@ impl<'a> Source<'a> {
         Ok(self.read::<1>(index, "SCALAR")?.into_iter().map(|[value]| value as u32).collect())
     }
 
+    /// Joints of vertices, four each.
+    ///
+    /// # Errors
+    /// As [`Source::read`], and for component types other than u8 and u16.
+    pub(super) fn read_joints(self, index: usize) -> Result<Vec<[f64; 4]>, SceneError> {
+        let place = format!("accessor {index}");
+        let accessor = entry(self.path, &place, "accessor", &self.document.accessors, index)?;
+        match self.component(&place, accessor.component_type)? {
+            Component::U8 | Component::U16 if !accessor.normalized => self.read(index, "VEC4"),
+            other => Err(self.fail(&place, format!("holds joints, which cannot be normalized or of type {other:?}"))),
+        }
+    }
+
     /// Replaces the elements that a sparse accessor lists.
     fn apply_sparse<const N: usize>(
         self,

@@ -32,6 +32,7 @@ properties! {
         textures: Vec<Texture>,
         samplers: Vec<TextureSampler>,
         images: Vec<Image>,
+        skins: Vec<Skin>,
         animations: Vec<Animation>,
         accessors: Vec<Accessor>,
         buffer_views: Vec<BufferView>,
@@ -41,7 +42,7 @@ properties! {
         extensions: DocumentExtensions,
     }
     Asset { version: String, }
-    SceneEntry { nodes: Vec<usize>, }
+    SceneEntry { name: Option<String>, nodes: Vec<usize>, }
     DocumentExtensions {
         #[serde(rename = "KHR_lights_punctual")]
         lights: Lights,
@@ -65,31 +66,33 @@ properties! {
         rotation: Option<[f64; 4]>,
         scale: Option<[f64; 3]>,
         matrix: Option<[f64; 16]>,
+        weights: Option<Vec<f64>>,
         extensions: NodeExtensions,
     }
     NodeExtensions {
         #[serde(rename = "KHR_lights_punctual")]
         light: Option<LightReference>,
         #[serde(rename = "EXT_mesh_gpu_instancing")]
-        instancing: Option<IgnoredAny>,
+        instancing: Option<Instancing>,
         #[serde(rename = "KHR_node_visibility")]
         visibility: Option<Visibility>,
     }
     LightReference { light: usize, }
+    Instancing { attributes: BTreeMap<String, usize>, }
     Visibility { visible: Option<bool>, }
-    Mesh { name: Option<String>, primitives: Vec<Primitive>, }
+    Mesh { name: Option<String>, primitives: Vec<Primitive>, weights: Vec<f64>, }
     Primitive {
         attributes: Attributes,
         indices: Option<usize>,
         mode: Option<u64>,
         material: Option<usize>,
-        targets: Vec<IgnoredAny>,
+        targets: Vec<Attributes>,
         extensions: PrimitiveExtensions,
     }
     Attributes {
         #[serde(rename = "POSITION")]
         position: Option<usize>,
-        /// By name.
+        /// By name: `JOINTS_0`, `WEIGHTS_0`, ...
         #[serde(flatten)]
         others: BTreeMap<String, usize>,
     }
@@ -98,6 +101,7 @@ properties! {
         draco: Option<Draco>,
     }
     Draco { buffer_view: usize, attributes: BTreeMap<String, u32>, }
+    Skin { name: Option<String>, joints: Vec<usize>, inverse_bind_matrices: Option<usize>, }
     Material {
         name: Option<String>,
         alpha_mode: Option<String>,

@@ -1,9 +1,10 @@
-//! Primitives → indexed triangles. Lists, strips and fans with the winding of glTF 2.0, section 3.7.2.1; points and
-//! lines cast no shadow and are skipped.
+//! Primitives → indexed triangles, with what deforms them and what of them is there. Lists, strips and fans with the winding
+//! of glTF 2.0, section 3.7.2.1; points and lines cast no shadow and are skipped.
 
 use super::accessor::Source;
 use super::document::{Mesh as GltfMesh, Primitive, entry};
 use super::materials::{Cover, MaskedCover, Materials};
+use super::{morph, skin};
 use crate::scene::SceneError;
 use crate::scene::marks::Mark;
 use crate::scene::mask::{Cutout, Mask};
@@ -23,6 +24,8 @@ pub(super) struct Skipped {
     pub degenerate: usize,
     /// Triangles of which nothing is there.
     pub transparent: usize,
+    /// Vertices with joints but no weight.
+    pub weightless: usize,
 }
 
 /// Reads the meshes of a file.
@@ -41,7 +44,8 @@ impl<'a> Reader<'a> {
         Reader { source, materials, positions: BTreeMap::new(), skipped: Skipped::default() }
     }
 
-    /// All triangles of a mesh. New masks are appended to `masks`, image files to `inputs`.
+    /// All triangles of a mesh, with the joints of their vertices where it is `skinned`. New masks are appended to `masks`,
+    /// image files to `inputs`.
     ///
     /// # Errors
     /// [`SceneError::Malformed`] naming mesh and accessor: bad accessors, indices out of range, vertices not finite; those
@@ -50,10 +54,13 @@ impl<'a> Reader<'a> {
         &mut self,
         index: usize,
         mesh: &GltfMesh,
+        skinned: bool,
         masks: &mut Vec<Mask>,
         inputs: &mut Vec<PathBuf>,
     ) -> Result<Mesh, SceneError> {
-        let mut builder = MeshBuilder::default();
+        let source = self.source;
+        let morphs = mesh.primitives.iter().any(|primitive| !primitive.targets.is_empty());
+        let mut builder = MeshBuilder { deforms: skinned || morphs, ..MeshBuilder::default() };
         for (k, primitive) in mesh.primitives.iter().enumerate() {
             let at = format!("{}, primitive {k}", place("mesh", index, mesh.name.as_deref()));
             let mode = primitive.mode.unwrap_or(4);
@@ -65,7 +72,7 @@ impl<'a> Reader<'a> {
                 4 => list,
                 5 => strip,
                 6 => fan,
-                _ => return Err(self.source.fail(&at, format!("mode {mode} is not 0 to 6"))),
+                _ => return Err(source.fail(&at, format!("mode {mode} is not 0 to 6"))),
             };
             let (two_sided, cover) = match primitive.material {
                 None => (false, Cover::Opaque),
@@ -74,13 +81,20 @@ impl<'a> Reader<'a> {
                     (material.double_sided, cover)
                 }
             };
-            self.add_primitive(&at, primitive, triangles_of, (two_sided, &cover, masks), &mut builder)?;
+            let laid = (two_sided, &cover, masks.as_slice());
+            let taken = self.add_primitive(&at, primitive, triangles_of, laid, &mut builder)?;
+            morph::append_targets(source, &at, primitive, &taken, &mut builder.mesh)?;
+            if skinned {
+                self.skipped.weightless += skin::append_influences(source, &at, primitive, &taken, &mut builder.mesh)?;
+            }
         }
+        builder.mesh.rest_weights = mesh.weights.clone();
         self.skipped.degenerate += builder.degenerate;
         self.skipped.transparent += builder.transparent;
         Ok(builder.mesh)
     }
 
+    /// Adds the triangles of a primitive; returns the indices of the vertices that the mesh took over.
     fn add_primitive(
         &mut self,
         at: &str,
@@ -88,10 +102,10 @@ impl<'a> Reader<'a> {
         triangles_of: fn(&[u32]) -> Vec<[u32; 3]>,
         (two_sided, cover, masks): (bool, &Cover, &[Mask]),
         builder: &mut MeshBuilder,
-    ) -> Result<(), SceneError> {
+    ) -> Result<Vec<u32>, SceneError> {
         let source = self.source;
         // Without positions there is nothing to draw (section 3.7.2.1).
-        let Some(accessor) = primitive.attributes.position else { return Ok(()) };
+        let Some(accessor) = primitive.attributes.position else { return Ok(Vec::new()) };
         let vertices = match self.positions.get(&accessor) {
             Some(known) => Rc::clone(known),
             None => {

@@ -1,7 +1,8 @@
 //! glTF 2.0 (`.gltf`, `.glb`) → the [`Model`].
 //!
-//! Reads node hierarchies, meshes of triangles, cameras, KHR_lights_punctual and TRS animation; [`features`] says what
-//! is refused. Cameras: yfov, aspect, near and far as written; scale on the node changes none of them.
+//! Reads node hierarchies, meshes of triangles with skins, morph targets and instances, cameras, KHR_lights_punctual,
+//! visibility and animation of all of these, KHR_animation_pointer included; [`features`] says what is refused. Cameras:
+//! yfov, aspect, near and far as written; scale on the node changes none of them.
 
 mod accessor;
 mod animation;
@@ -10,19 +11,27 @@ mod container;
 mod document;
 mod draco;
 mod features;
+mod instancing;
 mod materials;
 mod mesh;
 mod meshopt;
+mod morph;
 mod nodes;
+mod parts;
+mod pointer;
+mod scene;
+mod skin;
 mod views;
 
-use super::model::{FileCamera, FileLight, FileLightKind, Model, Part, place};
+use super::light_source::WIDEST_CONE_RAD;
+use super::model::{CameraTracks, FileCamera, FileLight, FileLightKind, LightTracks, Model, place};
 use super::{BlendRule, Projection, SceneError};
 use accessor::Source;
 use document::{Camera, Document, Light, entry, malformed};
 use materials::Materials;
-use std::collections::btree_map::Entry;
-use std::collections::{BTreeMap, BTreeSet};
+use scene::Placed;
+pub(super) use scene::ScenesMet;
+use std::collections::BTreeSet;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 use std::path::Path;
 use std::sync::Arc;
@@ -32,26 +41,32 @@ pub(super) fn is_glb(bytes: &[u8]) -> bool {
     bytes.starts_with(container::GLB_MAGIC)
 }
 
-/// Adds a file, whose bytes have been read, to the model.
+/// Adds a file, whose bytes have been read, to the model: its scene named `active_scene`, else its default one.
 ///
 /// # Errors
 /// [`SceneError::Malformed`], [`SceneError::Read`] for external buffers, [`SceneError::Unsupported`].
-pub(super) fn read(path: &Path, mut bytes: Vec<u8>, blend: BlendRule, model: &mut Model) -> Result<(), SceneError> {
+pub(super) fn read(
+    path: &Path,
+    mut bytes: Vec<u8>,
+    active_scene: Option<&str>,
+    blend: BlendRule,
+    scenes: &mut ScenesMet,
+    model: &mut Model,
+) -> Result<(), SceneError> {
     let container = container::locate(path, &bytes)?;
     let document = document::parse(path, &bytes[container.json])?;
-    let visits = nodes::walk(path, &document)?;
+    let scene = scenes.choose(&document, active_scene);
+    let visits = nodes::walk(path, &document, scene)?;
     let in_scene: Vec<usize> = visits.iter().map(|visit| visit.index).collect();
-    let findings = features::examine(&document, &in_scene);
+    let findings = features::examine(&document);
     if !findings.refused.is_empty() {
         return Err(SceneError::Unsupported { path: path.to_owned(), features: findings.refused });
     }
     let mut notes = findings.notes;
-    if document.scenes.len() > 1 {
-        notes.push(format!(
-            "{} scenes in the file; scene {} is used",
-            document.scenes.len(),
-            document.scene.unwrap_or(0)
-        ));
+    if let Some(scene) = scene.filter(|_| document.scenes.len() > 1) {
+        let used = place("scene", scene, document.scenes[scene].name.as_deref());
+        let count = document.scenes.len();
+        notes.push(format!("{used} of {count} in the file is used; choose another with --active-scene NAME"));
     }
     let bin = container.bin.map(|bin| {
         bytes.truncate(bin.end);
@@ -64,63 +79,19 @@ pub(super) fn read(path: &Path, mut bytes: Vec<u8>, blend: BlendRule, model: &mu
 
     let file: Arc<Path> = Arc::from(path);
     let base = model.nodes.len();
-    let mut model_node = vec![None; document.nodes.len()];
+    let mut placed = Placed { nodes: vec![None; document.nodes.len()], ..Placed::default() };
     for visit in &visits {
         let node = &document.nodes[visit.index];
-        model_node[visit.index] = Some(model.nodes.len());
+        placed.nodes[visit.index] = Some(model.nodes.len());
         model.nodes.push(nodes::convert(&file, visit.index, node, visit.parent.map(|parent| base + parent))?);
     }
     let materials = Materials::new(source, blend);
-    add_meshes(source, materials, &model_node, &in_scene, model, &mut notes)?;
-    for &index in &in_scene {
-        add_camera_and_light(path, &document, index, model_node[index].unwrap_or(0), model)?;
+    parts::add(source, materials, &placed.nodes, &in_scene, model, &mut notes)?;
+    for (k, &index) in in_scene.iter().enumerate() {
+        add_camera_and_light(path, &document, index, base + k, &mut placed, model)?;
     }
-    let (last_key_s, animation_notes) = animation::attach(source, &mut model.nodes, &model_node)?;
-    model.last_key_s = latest(model.last_key_s, last_key_s);
-    notes.extend(animation_notes);
+    notes.extend(animation::read(source, &file, &placed, model)?);
     model.notes.extend(notes.into_iter().map(|note| format!("{}: {note}", path.display())));
-    Ok(())
-}
-
-/// The later of two times, where there are any.
-fn latest(a: Option<f64>, b: Option<f64>) -> Option<f64> {
-    a.into_iter().chain(b).reduce(f64::max)
-}
-
-fn add_meshes(
-    source: Source<'_>,
-    materials: Materials<'_>,
-    model_node: &[Option<usize>],
-    in_scene: &[usize],
-    model: &mut Model,
-    notes: &mut Vec<String>,
-) -> Result<(), SceneError> {
-    let mut reader = mesh::Reader::new(source, materials);
-    let mut model_mesh = BTreeMap::new();
-    for &index in in_scene {
-        let (Some(node), Some(mesh)) = (model_node[index], source.document.nodes[index].mesh) else { continue };
-        let place = model.nodes[node].place();
-        let gltf_mesh = entry(source.path, &place, "mesh", &source.document.meshes, mesh)?;
-        let mesh = match model_mesh.entry(mesh) {
-            Entry::Occupied(known) => *known.get(),
-            Entry::Vacant(slot) => {
-                let read = reader.read(mesh, gltf_mesh, &mut model.masks, &mut model.inputs)?;
-                model.meshes.push(read);
-                *slot.insert(model.meshes.len() - 1)
-            }
-        };
-        model.parts.push(Part { node, mesh });
-    }
-    let skipped = reader.skipped;
-    if skipped.points_or_lines > 0 {
-        notes.push(format!("{} primitives of points or lines ignored", skipped.points_or_lines));
-    }
-    if skipped.degenerate > 0 {
-        notes.push(format!("{} triangles without area dropped", skipped.degenerate));
-    }
-    if skipped.transparent > 0 {
-        notes.push(format!("{} wholly transparent triangles left out", skipped.transparent));
-    }
     Ok(())
 }
 
@@ -129,16 +100,19 @@ fn add_camera_and_light(
     document: &Document,
     index: usize,
     node: usize,
+    placed: &mut Placed,
     model: &mut Model,
 ) -> Result<(), SceneError> {
     let asked_by = model.nodes[node].place();
     if let Some(camera) = document.nodes[index].camera {
         let found = entry(path, &asked_by, "camera", &document.cameras, camera)?;
+        placed.cameras.entry(camera).or_default().push(model.cameras.len());
         model.cameras.push(convert_camera(path, camera, found, node)?);
     }
     if let Some(reference) = &document.nodes[index].extensions.light {
         let lights = &document.extensions.lights.lights;
         let found = entry(path, &asked_by, "KHR_lights_punctual light", lights, reference.light)?;
+        placed.lights.entry(reference.light).or_default().push(model.lights.len());
         model.lights.push(convert_light(path, reference.light, found, node)?);
     }
     Ok(())
@@ -173,7 +147,7 @@ fn convert_camera(path: &Path, index: usize, camera: &Camera, node: usize) -> Re
     if let Some(far) = far.filter(|&far| far.is_nan() || far <= near) {
         return Err(fail(format!("zfar {far} is not beyond znear {near}")));
     }
-    Ok(FileCamera { node, name: camera.name.clone(), projection, aspect, near, far })
+    Ok(FileCamera { node, name: camera.name.clone(), projection, aspect, near, far, tracks: CameraTracks::default() })
 }
 
 fn convert_light(path: &Path, index: usize, light: &Light, node: usize) -> Result<FileLight, SceneError> {
@@ -187,14 +161,12 @@ fn convert_light(path: &Path, index: usize, light: &Light, node: usize) -> Resul
         "point" => FileLightKind::Point { range },
         "spot" => {
             let cone_rad = light.spot.as_ref().and_then(|spot| spot.outer_cone_angle).unwrap_or(FRAC_PI_4);
-            // Writers round π/2 up to the next f32.
-            let top = f64::from(FRAC_PI_2 as f32);
-            if !(cone_rad > 0.0 && cone_rad <= top.max(FRAC_PI_2)) {
+            if !(cone_rad > 0.0 && cone_rad <= WIDEST_CONE_RAD) {
                 return Err(fail(format!("outerConeAngle {cone_rad} is not in (0, π/2]")));
             }
             FileLightKind::Spot { cone_rad: cone_rad.min(FRAC_PI_2), range }
         }
         other => return Err(fail(format!("type {other:?} is unknown"))),
     };
-    Ok(FileLight { node, name: light.name.clone(), kind })
+    Ok(FileLight { node, name: light.name.clone(), kind, tracks: LightTracks::default() })
 }

@@ -18,15 +18,14 @@ pub(super) struct Visit {
     pub parent: Option<usize>,
 }
 
-/// Nodes of the active scene, depth first in file order: `scene` names it; else the first scene; in a file without
-/// scenes, all nodes that are nobody's children.
+/// Nodes of a scene, depth first in file order; without one, all nodes that are nobody's children.
 ///
 /// # Errors
 /// [`SceneError::Malformed`] for references to nothing and for nodes met twice.
-pub(super) fn walk(path: &Path, document: &Document) -> Result<Vec<Visit>, SceneError> {
-    let roots = match document.scene {
+pub(super) fn walk(path: &Path, document: &Document, scene: Option<usize>) -> Result<Vec<Visit>, SceneError> {
+    let roots = match scene {
         Some(scene) => entry(path, "the default scene", "scene", &document.scenes, scene)?.nodes.clone(),
-        None => document.scenes.first().map_or_else(|| orphans(document), |scene| scene.nodes.clone()),
+        None => orphans(document),
     };
     let mut met = vec![false; document.nodes.len()];
     let mut visits = Vec::new();
@@ -89,5 +88,14 @@ pub(super) fn convert(
             scale: node.scale.map_or(DVec3::ONE, DVec3::from_array),
         },
     };
-    Ok(Node { file: Arc::clone(file), name: node.name.clone(), index, parent, local, tracks: Tracks::default() })
+    Ok(Node {
+        file: Arc::clone(file),
+        name: node.name.clone(),
+        index,
+        parent,
+        local,
+        hidden: node.extensions.visibility.as_ref().is_some_and(|v| v.visible == Some(false)),
+        weights: node.weights.clone(),
+        tracks: Tracks::default(),
+    })
 }
