@@ -144,7 +144,8 @@ impl<'a> Kept<'a> {
 impl Kept<'_> {
     /// Every kept corner of every triangle.
     pub(super) fn list(&self) -> Vec<DVec4> {
-        let geometry = self.tracer.geometry();
+        let Some(tracer) = self.tracer else { return self.few.clone() };
+        let geometry = tracer.geometry();
         let mut polygon = Polygon::default();
         let mut all = Vec::new();
         for index in 0..geometry.len() as u32 {

@@ -200,7 +200,7 @@ mod tests {
     #[test]
     fn searches_find_what_a_list_holds() {
         let triangles = triangles();
-        let geometry = Geometry { still: &triangles, moving: &[] };
+        let geometry = Geometry::plain(&triangles, &[]);
         let bvh = Bvh::build(&triangles);
         let tracer = Tracer::new(geometry, &bvh, None);
         let visible: Vec<DVec3> = (0..3200).map(|i| geometry.triangle_f64(i).iter().sum::<DVec3>() / 3.0).collect();
