@@ -73,12 +73,6 @@ fn counts_hold_together_and_threads_decide_nothing() {
         }
     }
 
-    // By the receivers' own planes nothing is left for a bias to hide.
-    let ideal = run(&job, &params(Question::Texels(4000), BiasChoice::ReceiverPlane), 2);
-    for ideal in &ideal.methods {
-        assert!(ideal.per_light.iter().all(|r| r.measured.as_ref().unwrap().self_shadow == 0));
-    }
-
     // Another bias may only help.
     let best = run(&job, &params(Question::Texels(4000), BiasChoice::Best), 2);
     for (best, plan) in best.methods.iter().zip(&found.methods) {

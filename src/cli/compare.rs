@@ -84,9 +84,6 @@ enum BiasName {
     Plan,
     /// For each method and light the one of a fixed grid with the fewest wrong pixels
     Best,
-    /// None: every pixel is compared at the depth of its own plane at the texel's centre, which leaves the error of the
-    /// resampling alone
-    ReceiverPlane,
 }
 
 /// Texels of each light where no flag says.
@@ -148,7 +145,6 @@ pub(super) fn run(args: &CompareArgs, quiet: bool, signals: &Signals) -> Result<
         bias: match args.bias {
             BiasName::Plan => BiasChoice::Plan,
             BiasName::Best => BiasChoice::Best,
-            BiasName::ReceiverPlane => BiasChoice::ReceiverPlane,
         },
         pictures: args.output.clone(),
     };

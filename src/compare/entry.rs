@@ -1,6 +1,6 @@
 //! One method on one light: solved, drawn, counted.
 
-use super::{BIAS_GRID, BiasChoice, CompareParams, Measured, PerLight, Question, TexelsFor, Variant, budget, ideal};
+use super::{BIAS_GRID, BiasChoice, CompareParams, Measured, PerLight, Question, TexelsFor, Variant, budget};
 use crate::job::Job;
 use crate::math::Bounds;
 use crate::measure::Receivers;
@@ -78,7 +78,7 @@ pub(super) fn entry(
                 if budget::aspect(params.question, &job.map) == budget::aspect(Question::Epsilon, &job.map) {
                     polish(&question, case.samples, &mut fitted, &mut judge)?;
                 }
-                let (measured, found) = measure(case, &question, &fitted, &mut judge, params)?;
+                let (measured, found) = measure(&question, &fitted, &mut judge, params)?;
                 (row.measured, mask) = (Some(measured), found);
             }
             Err(reason) => row.reason = Some(reason.to_string()),
@@ -98,7 +98,6 @@ fn fit(case: &Case, question: &FilmQuestion, params: &CompareParams) -> Result<F
 }
 
 fn measure(
-    case: &Case,
     question: &FilmQuestion,
     fitted: &FittedLight,
     judge: &mut Judge,
@@ -112,12 +111,9 @@ fn measure(
             (certified.sizes, Some(needed))
         }
     };
-    let (bias, wrong) = answers(case, question, &sizes, judge, params.bias)?;
+    let (bias, wrong) = answers(question, &sizes, judge, params.bias)?;
     let certain = judge.certain(&wrong);
-    let edge = match params.bias {
-        BiasChoice::ReceiverPlane => certain.clone(),
-        _ => judge.misplaced(&sizes, bias, &certain)?,
-    };
+    let edge = judge.misplaced(&sizes, bias, &certain)?;
     let texels = sum(&sizes);
     let prediction = predict(&fitted.regions, &fitted.shares, texels as f64);
     let false_lit = certain.iter().filter(|i| judge.receivers().shadowed[**i as usize]).count() as u64;
@@ -166,7 +162,6 @@ fn exact(case: &Case, params: &CompareParams) -> Measured {
 
 /// The bias, and the receivers that are answered wrongly with it.
 fn answers(
-    case: &Case,
     question: &FilmQuestion,
     sizes: &[[u32; 2]],
     judge: &mut Judge,
@@ -176,12 +171,6 @@ fn answers(
     let grid: &[Bias] = match choice {
         BiasChoice::Plan => &[],
         BiasChoice::Best => &BIAS_GRID,
-        BiasChoice::ReceiverPlane => {
-            let drawn = judge.draw(sizes, Bias::NONE)?;
-            let outside = question.map.outside;
-            let wrong = ideal::wrong(case.tracer, case.view, case.camera, case.receivers, &drawn, outside);
-            return Ok((Bias::NONE, wrong));
-        }
     };
     let drawn = judge.draw(sizes, plan)?;
     let wrong = judge.wrong(&drawn);

@@ -15,7 +15,6 @@ mod entry;
 mod files;
 mod glyphs;
 mod hemisphere;
-mod ideal;
 mod params;
 mod picture;
 mod prng;

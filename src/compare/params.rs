@@ -26,9 +26,6 @@ pub enum BiasChoice {
     Plan,
     /// For each method and light the entry of [`BIAS_GRID`] (or the job's own) with the fewest wrong pixels.
     Best,
-    /// None; receivers are compared at the depth of their own plane at the texel's centre. What is wrong then is a matter of
-    /// resampling alone, and counted as edges.
-    ReceiverPlane,
 }
 
 /// The biases that [`BiasChoice::Best`] tries: constants of 4 and 256 steps of f32 depth, slope factors around 1, and
