@@ -9,6 +9,7 @@
 //! r_i   = |q_i'·c_e| w / (|det H| |V|)         components of eᵀJ⁻¹: pixels of shadow edge per texel, c_e = (T e⊥) × q
 //! ```
 
+mod derivatives;
 mod displacement;
 mod moments;
 mod weights;

@@ -58,15 +58,27 @@ impl Moments {
 
     /// The symmetric matrix S with S_cd = M[p4, p4, c, d].
     pub fn contract(&self, p4: DVec3) -> DMat3 {
+        self.contract_samples(p4, p4)
+    }
+
+    /// The symmetric matrix with entries M[u, v, c, d], made symmetric in u and v.
+    pub(super) fn contract_samples(&self, u: DVec3, v: DVec3) -> DMat3 {
         let mut s = [0.0; 6];
         for (&(a, b), row) in PAIRS.iter().zip(&self.sums) {
-            let f = p4[a] * p4[b] * if a == b { 1.0 } else { 2.0 };
+            let f = if a == b { u[a] * v[a] } else { u[a] * v[b] + u[b] * v[a] };
             for (s, m) in s.iter_mut().zip(row) {
                 *s += f * m;
             }
         }
-        let [xx, xy, xz, yy, yz, zz] = s;
-        DMat3::from_cols(DVec3::new(xx, xy, xz), DVec3::new(xy, yy, yz), DVec3::new(xz, yz, zz))
+        symmetric(s)
+    }
+
+    /// The symmetric matrix with entries Σ_i M[a, b, q_i', q_i'].
+    pub(super) fn contract_footprints(&self, [q1, q2]: [DVec3; 2]) -> DMat3 {
+        let (f1, f2) = (products(q1), products(q2));
+        symmetric(self.sums.map(|row| {
+            (0..6).map(|k| row[k] * (f1[k] + f2[k]) * if PAIRS[k].0 == PAIRS[k].1 { 1.0 } else { 2.0 }).sum()
+        }))
     }
 
     /// h of a homography with rows p1, p2, p4.
@@ -76,40 +88,6 @@ impl Moments {
         let det = crate::math::det3(p1, p2, p4);
         let (q1, q2) = (p1.cross(p4), p2.cross(p4));
         (q1.dot(s * q1) + q2.dot(s * q2)) / (det * det)
-    }
-
-    /// Gradient of [`Moments::value`] by the nine entries of the rows p1, p2, p4.
-    pub fn gradient(&self, rows: &[DVec3; 3]) -> [DVec3; 3] {
-        let [p1, p2, p4] = *rows;
-        let s = self.contract(p4);
-        let det = crate::math::det3(p1, p2, p4);
-        let inverse2 = 1.0 / (det * det);
-        let (q1, q2) = (p1.cross(p4), p2.cross(p4));
-        let (s1, s2) = (s * q1, s * q2);
-        let sum = q1.dot(s1) + q2.dot(s2);
-        // ∂(q_i'ᵀ S q_i')/∂p_i = 2 p4 × (S q_i');  by p4: 2 (S q_i') × p_i + ∂S.  ∂det/∂p = cofactor.
-        let scale_det = -2.0 * sum * inverse2 / det;
-        let g1 = p4.cross(s1) * (2.0 * inverse2) + p2.cross(p4) * scale_det;
-        let g2 = p4.cross(s2) * (2.0 * inverse2) + p4.cross(p1) * scale_det;
-        let g4 = (s1.cross(p1) + s2.cross(p2)) * (2.0 * inverse2)
-            + self.contract_gradient(p4, q1, q2) * inverse2
-            + p1.cross(p2) * scale_det;
-        [g1, g2, g4]
-    }
-
-    /// ∂/∂p4 of Σ_i M[p4, p4, q_i', q_i'] with the q_i' held fixed.
-    fn contract_gradient(&self, p4: DVec3, q1: DVec3, q2: DVec3) -> DVec3 {
-        let (a, b) = (products(q1), products(q2));
-        let mut g = DVec3::ZERO;
-        for (&(i, j), row) in PAIRS.iter().zip(&self.sums) {
-            let m: f64 =
-                (0..6).map(|k| row[k] * (a[k] + b[k]) * if PAIRS[k].0 == PAIRS[k].1 { 1.0 } else { 2.0 }).sum();
-            g[i] += 2.0 * m * p4[j];
-            if i != j {
-                g[j] += 2.0 * m * p4[i];
-            }
-        }
-        g
     }
 
     /// Largest |Σ_b M[a,b,b,d]| over the sum of its terms' magnitudes. Exactly zero in real arithmetic, since c is
@@ -135,6 +113,10 @@ impl Moments {
         }
         worst
     }
+}
+
+fn symmetric([xx, xy, xz, yy, yz, zz]: [f64; 6]) -> DMat3 {
+    DMat3::from_cols(DVec3::new(xx, xy, xz), DVec3::new(xy, yy, yz), DVec3::new(xz, yz, zz))
 }
 
 fn products(v: DVec3) -> [f64; 6] {
@@ -181,24 +163,6 @@ mod tests {
         let value = moments(&s).value(&ROWS);
         assert!((value / direct - 1.0).abs() < 1e-12, "{value} {direct}");
         assert!(moments(&s).rounding() < 1e-14);
-    }
-
-    #[test]
-    fn gradient_equals_differences() {
-        let m = moments(&samples());
-        let g = m.gradient(&ROWS);
-        for row in 0..3 {
-            for k in 0..3 {
-                let step = 1e-6 * ROWS[row].length();
-                let at = |d: f64| {
-                    let mut r = ROWS;
-                    r[row][k] += d;
-                    m.value(&r)
-                };
-                let numeric = (at(step) - at(-step)) / (2.0 * step);
-                assert!((g[row][k] - numeric).abs() < 1e-5 * g[row].length(), "{row} {k}: {} {numeric}", g[row][k]);
-            }
-        }
     }
 
     #[test]
