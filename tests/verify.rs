@@ -154,6 +154,47 @@ fn changed_claims_are_found() {
 }
 
 #[test]
+fn changed_values_of_the_bound_are_found() {
+    for (bound, epsilon) in [("displacement", 20.0), ("footprint", 20.0)] {
+        let base =
+            "shot.temporal = 'per-frame'\n[frames]\nrange = '30'\n[image]\nsize = [160, 90]\n[map]\nmax = 1024\n";
+        let own = format!("{base}[quality]\nbound = '{bound}'\nepsilon = {epsilon}\n");
+        let job = job::load(&folder().join("courtyard.toml"), &own.parse().unwrap()).unwrap();
+        let plan = watched(|watch| plan::make(&job, folder(), false, watch)).unwrap();
+        let true_one = verify(&plan);
+        assert_eq!(faults(&true_one), "", "{bound}");
+        assert_eq!(true_one.passed, plan.summary.met, "{bound}");
+        let mut better = plan.clone();
+        let measured = better.frames[0].lights[0].error.as_mut().unwrap().measured.as_mut().unwrap();
+        for value in [&mut measured.displacement, &mut measured.footprint].into_iter().flatten() {
+            *value = *value * 0.999 + 1e-3;
+        }
+        assert!(better != plan);
+        let found = faults(&verify(&better));
+        assert!(found.contains(&format!("{bound} is ")), "{bound}: {found}");
+    }
+}
+
+#[test]
+fn what_repeats_the_matrix_is_found_changed() {
+    let depth = |p: &mut Plan, light: usize| {
+        let row = &mut p.frames[0].lights[light].maps[0].clip_from_world[2];
+        *row = row.map(|v| v * 3.0);
+    };
+    broken_by(|p| depth(p, 0), " look map 0 up lie out of its clip depth");
+    // Point and spot lights always have one.
+    let camera = |p: &mut Plan, change: fn(&mut plan::LightCamera)| {
+        change(p.frames[0].lights[2].maps[0].light_camera.as_mut().unwrap());
+    };
+    let of_camera = "light_camera of map 0 is not the camera of its matrix";
+    broken_by(|p| camera(p, |c| c.skew += 1e-6), of_camera);
+    broken_by(|p| camera(p, |c| c.position[1] += 1e-5), of_camera);
+    broken_by(|p| camera(p, |c| c.frustum.right *= 1.0 + 1e-6), of_camera);
+    broken_by(|p| camera(p, |c| c.frustum.far *= 1.0 + 1e-3), of_camera);
+    broken_by(|p| p.frames[0].lights[2].maps[0].light_camera = None, "either a light_camera or a light_camera_reason");
+}
+
+#[test]
 fn changed_witnesses_are_found() {
     broken_by(|p| p.frames[0].lights[0].maps[0].witnesses[0].uv[0] += 1e-9, "the matrix gives");
     broken_by(|p| p.frames[0].lights[0].maps[0].witnesses[0].depth += 1e-9, "the matrix gives");

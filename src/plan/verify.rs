@@ -3,13 +3,13 @@
 //! Uses no sample, metric or fit: what judges a plan shares none of what chose it. Planning and checking are both
 //! deterministic, so counts have to be equal to the pixel.
 //!
-//! Not checked: what only repeats the matrix in other words (`light_camera`, `near` and `far`, the bias in texels and
-//! metres, the f32 round trip), the prediction, and what planning cost. The value of a bound other than `misclassified`
-//! is taken from the plan; its counts are measured.
+//! Not checked: `near` and `far` in metres, the number of witnesses, the bias in texels and metres and the f32 round trip,
+//! the prediction, and what planning cost.
 
 mod across;
 mod claims;
 mod light;
+mod restated;
 mod witness;
 
 use std::path::Path;

@@ -2,16 +2,20 @@
 
 use super::super::remeasure::{Remeasured, Seeing, remeasure};
 use super::super::{LightPlan, Measured, Status, Tried};
-use super::{LightCheck, Outcome, claims, witness};
+use super::{LightCheck, Outcome, claims, restated, witness};
 use crate::job::Job;
 use crate::math::first_holding;
-use crate::measure::{EDGE_ON_DEGREES, Outside, Verdict};
+use crate::measure::{EDGE_ON_DEGREES, Outside, Verdict, edge_distance, footprint};
 use crate::resolution::{Bound, Measure};
 use crate::scene::Light;
 use glam::DVec3;
 
 /// Reasons listed in full; more are counted.
 const LISTED: usize = 3;
+
+/// Relative difference that is none of a bound's value: of footprints, finite differences which amplify roundings, and
+/// another system's sine in the camera; of distances between pixels, far less.
+const VALUE_ACCURACY: f64 = 1e-6;
 
 /// Checks the entry of a light; what was measured, where its maps can be drawn.
 pub(super) fn check(
@@ -53,6 +57,9 @@ pub(super) fn check(
     check.reasons.extend(status_faults(entry, &measured, job));
     check.reasons.extend(domain_fault(&measured, job));
     check.reasons.extend(count_faults(seeing, entry, &measured.verdict, of_pixels, job));
+    check.reasons.extend(restated::faults(entry, &measured, job));
+    let at_quantile = at_quantile(seeing, &measured, job);
+    check.reasons.extend(at_quantile.and_then(|now| value_fault(entry, now, job)));
     let faults: Vec<String> = entry
         .maps
         .iter()
@@ -65,7 +72,7 @@ pub(super) fn check(
     if more > 0 {
         check.reasons.push(format!("{more} more witnesses do not hold"));
     }
-    settle(&mut check, entry, &measured.verdict, job);
+    settle(&mut check, entry, &measured.verdict, at_quantile);
     (check, Some(measured))
 }
 
@@ -184,19 +191,39 @@ fn certificate_fault(entry: &LightPlan, plan: &Measured, met: bool, of_pixels: u
     next.filter(|t| meets(t)).map(|t| format!("{}x{} was tried, is smaller than the map, and meets", t.width, t.height))
 }
 
-/// The outcome, from the faults found and the bound.
-fn settle(check: &mut LightCheck, entry: &LightPlan, now: &Verdict, job: &Job) {
-    let measured = entry.error.as_ref().and_then(|e| e.measured.as_ref());
-    let at_quantile = match job.quality.bound {
+/// The value of a bound at the quantile, pixels, from the maps as drawn; `None` for a bound that counts pixels.
+fn at_quantile(seeing: &Seeing, measured: &Remeasured, job: &Job) -> Option<f64> {
+    let Remeasured { receivers, drawn, wrong, .. } = measured;
+    let Seeing { tracer, camera, view, .. } = *seeing;
+    match job.quality.bound {
         Bound::Misclassified => None,
-        Bound::Displacement => Some(measured.and_then(|m| m.displacement)),
-        Bound::Footprint => Some(measured.and_then(|m| m.footprint)),
+        Bound::Displacement => Some(edge_distance(receivers, wrong, view.film, job.quality.quantile)),
+        Bound::Footprint => Some(footprint(tracer, view, camera, receivers, drawn, job.quality.quantile)),
+    }
+}
+
+/// Compares the value of a bound with the plan's. A value that is not finite has no number in a plan.
+fn value_fault(entry: &LightPlan, now: f64, job: &Job) -> Option<String> {
+    let plan = entry.error.as_ref()?.measured.as_ref()?;
+    let (key, planned) = match job.quality.bound {
+        Bound::Misclassified => return None,
+        Bound::Displacement => ("displacement", plan.displacement),
+        Bound::Footprint => ("footprint", plan.footprint),
     };
+    let planned = planned.unwrap_or(f64::INFINITY);
+    let same = planned == now || (planned - now).abs() <= VALUE_ACCURACY * now;
+    (!same || planned.is_infinite() != now.is_infinite())
+        .then(|| format!("{key} is {planned} pixels in the plan, {now} measured again"))
+}
+
+/// The outcome, from the faults found and the bound, whose value now is `at_quantile` where it counts no pixels.
+fn settle(check: &mut LightCheck, entry: &LightPlan, now: &Verdict, at_quantile: Option<f64>) {
+    let measured = entry.error.as_ref().and_then(|e| e.measured.as_ref());
     let no_map_needed = matches!(entry.status, Status::Unlit | Status::NoVisibleShadow);
     let holds = match at_quantile {
         None => entry.status != Status::Inapplicable && now.meets(check.epsilon * check.of_pixels as f64),
         Some(_) if no_map_needed => now.certain.wrong() == 0,
-        Some(value) => value.is_some_and(|v| v <= check.epsilon),
+        Some(value) => entry.status != Status::Inapplicable && value <= check.epsilon,
     };
     if measured.is_some() && entry.met() != holds {
         let word = |met: bool| if met { "met" } else { "not met" };
@@ -214,10 +241,13 @@ fn settle(check: &mut LightCheck, entry: &LightPlan, now: &Verdict, job: &Job) {
         };
         check.reasons.push(match &entry.reason {
             Some(reason) => format!("not met, as the plan says: {reason}"),
-            None => format!(
-                "the bound does not hold: {} and {} uncertain are wrong, {limit}",
-                check.measured, check.uncertain
-            ),
+            None => match at_quantile {
+                Some(value) => format!("the bound does not hold: it is at {value:.3} pixels, {limit}"),
+                None => format!(
+                    "the bound does not hold: {} and {} uncertain are wrong, {limit}",
+                    check.measured, check.uncertain
+                ),
+            },
         });
     }
 }
