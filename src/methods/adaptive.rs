@@ -15,7 +15,7 @@
 use super::plane::Plane;
 use super::region::{Region, Report};
 use super::{Inapplicable, Inputs, lixel};
-use crate::fit::{Aspect, Termination};
+use crate::fit::Aspect;
 use crate::math::{Domain, LightSpace, row_at};
 use crate::samples::EdgePoint;
 use glam::{DVec2, DVec3};
@@ -132,15 +132,7 @@ impl Tile {
             Aspect::Fixed(ratio) => ratio,
             Aspect::Free => 1.0,
         };
-        let report = Report {
-            evaluations: 1,
-            samples: plane.samples.len() as u64,
-            grazing: plane.grazing,
-            rounds: 0,
-            spread: 0.0,
-            gap: None,
-            termination: Termination::Direct,
-        };
+        let report = Report::direct(&plane, 1);
         let mut region = Region::new(plane, rows, aspect, report);
         let plane_from_scene = space.plane_from_scene();
         region.domain = Domain::LightPlaneRectangle { plane_from_scene, min, max };

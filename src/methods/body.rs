@@ -6,7 +6,7 @@ use super::plane::Plane;
 use super::region::{Region, Report};
 use super::scene_optimal::{minimum_area_rectangle, oriented};
 use super::{Inapplicable, Inputs};
-use crate::fit::{Shape, Termination, unit_square_rows};
+use crate::fit::{Shape, unit_square_rows};
 use crate::math::LightSpace;
 use crate::scene::LightKind;
 use glam::{DVec2, DVec3};
@@ -122,15 +122,7 @@ pub(super) fn refit(
 
 /// The region of unit-square rows.
 pub(super) fn finished(plane: Plane, rows: [DVec3; 3], aspect: f64, evaluations: u64) -> Result<Region, Inapplicable> {
-    let report = Report {
-        evaluations,
-        samples: plane.samples.len() as u64,
-        grazing: plane.grazing,
-        rounds: 0,
-        spread: 0.0,
-        gap: None,
-        termination: Termination::Direct,
-    };
+    let report = Report::direct(&plane, evaluations);
     let region = Region::new(plane, rows, aspect, report);
     if region.h.is_finite() && aspect.is_finite() && aspect > 0.0 { Ok(region) } else { Err(Inapplicable::NoFiniteFit) }
 }

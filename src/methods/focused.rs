@@ -1,14 +1,13 @@
 //! The focused shadow map: the smallest rectangle, without a warp, around view frustum ∩ light frustum ∩ scene bounds
 //! (SOSM §3, "Focused"; Mikkelsen's "fsm"). The body's vertices are found as the points where three of its planes meet.
 
+use super::body::{Rectangle, refit};
 use super::plane::Plane;
-use super::region::{Region, Report};
-use super::scene_optimal::{minimum_area_rectangle, oriented};
+use super::region::Region;
 use super::{Inapplicable, Inputs};
-use crate::fit::{Termination, unit_square_rows};
 use crate::math::LightSpace;
 use crate::scene::{LightKind, Projection};
-use glam::{DMat3, DVec2, DVec3, DVec4};
+use glam::{DMat3, DVec3, DVec4};
 
 /// How far outside a plane a vertex of the body may lie, relative to the scene's size: rounding of plane intersections.
 const INSIDE: f64 = 1e-9;
@@ -26,7 +25,7 @@ pub(super) fn around(inputs: &Inputs, axis: Option<DVec3>, body: &[DVec3]) -> Re
         (Some(axis), Some(position)) => LightSpace::perspective(position, axis, inputs.bounds.center()),
         _ => LightSpace::around(inputs.light, body)?,
     };
-    uniform_region(inputs, space, body, true)
+    uniform_region(inputs, space, body, Rectangle::MinimumArea)
 }
 
 /// A region without a warp around a body: its minimum-area rectangle, or its box in the light's frame.
@@ -34,32 +33,11 @@ pub(super) fn uniform_region(
     inputs: &Inputs,
     space: LightSpace,
     body: &[DVec3],
-    minimum_area: bool,
+    rectangle: Rectangle,
 ) -> Result<Region, Inapplicable> {
     let covered: Vec<DVec3> = body.iter().chain(inputs.covered).copied().collect();
     let plane = Plane::new(inputs, space, &covered, inputs.edges, true).ok_or(Inapplicable::NoFiniteFit)?;
-    let base = [DVec3::X, DVec3::Y, DVec3::Z];
-    let (rows, width, height) = if minimum_area {
-        minimum_area_rectangle(&plane.hull, &base).ok_or(Inapplicable::NoFiniteFit)?
-    } else {
-        let rows = unit_square_rows(&plane.hull, &base, [0.0, std::f64::consts::FRAC_PI_2]);
-        let side = |n: DVec2| {
-            let d = plane.hull.iter().map(|p| n.dot(*p));
-            d.clone().fold(f64::NEG_INFINITY, f64::max) - d.fold(f64::INFINITY, f64::min)
-        };
-        (rows.ok_or(Inapplicable::NoFiniteFit)?, side(DVec2::X), side(DVec2::Y))
-    };
-    let (rows, aspect) = oriented(rows, width, height, inputs.aspect);
-    let report = Report {
-        evaluations: 1,
-        samples: plane.samples.len() as u64,
-        grazing: plane.grazing,
-        rounds: 0,
-        spread: 0.0,
-        gap: None,
-        termination: Termination::Direct,
-    };
-    Ok(Region::new(plane, rows, aspect, report))
+    refit(inputs, plane, &[DVec3::X, DVec3::Y, DVec3::Z], rectangle)
 }
 
 /// Vertices of view frustum ∩ light frustum ∩ scene bounds ∩ the inputs' own half-spaces.

@@ -2,6 +2,7 @@
 //! "Normal"; Mikkelsen's "ssm"). Directional: an axis-aligned box in a fixed frame of the light. Point and spot: a
 //! frustum around the scene as seen from the light, no wider than the spot's cone or the cube face.
 
+use super::body::Rectangle;
 use super::focused::{light_body, uniform_region};
 use super::{Inapplicable, Inputs, Region};
 use crate::math::LightSpace;
@@ -17,5 +18,5 @@ pub(super) fn solve(inputs: &Inputs, axis: Option<DVec3>) -> Result<Region, Inap
         (Some(axis), Some(position)) => LightSpace::perspective(position, axis, inputs.bounds.center()),
         _ => LightSpace::around(inputs.light, &body)?,
     };
-    uniform_region(inputs, space, &body, false)
+    uniform_region(inputs, space, &body, Rectangle::Axes)
 }

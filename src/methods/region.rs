@@ -27,6 +27,21 @@ pub struct Report {
     pub termination: Termination,
 }
 
+impl Report {
+    /// Of a matrix that was constructed, not searched for.
+    pub(super) fn direct(plane: &Plane, evaluations: u64) -> Report {
+        Report {
+            evaluations,
+            samples: plane.samples.len() as u64,
+            grazing: plane.grazing,
+            rounds: 0,
+            spread: 0.0,
+            gap: None,
+            termination: Termination::Direct,
+        }
+    }
+}
+
 /// A homography of a light plane and the points that look it up.
 #[derive(Clone, Debug)]
 pub struct Region {

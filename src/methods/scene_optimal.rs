@@ -9,7 +9,7 @@
 use super::lixel::plane_of;
 use super::region::{Region, Report, texel_rows};
 use super::{Inapplicable, Inputs};
-use crate::fit::{Aspect, Shape, Termination, unit_square_rows};
+use crate::fit::{Aspect, Shape, unit_square_rows};
 use crate::metric::{Metric, Moments, moments_of};
 use glam::{DQuat, DVec2, DVec3};
 
@@ -48,15 +48,7 @@ pub(super) fn solve(inputs: &Inputs, axis: Option<DVec3>) -> Result<Region, Inap
             }
         }
     }
-    let report = Report {
-        evaluations,
-        samples: plane.samples.len() as u64,
-        grazing: plane.grazing,
-        rounds: ITERATIONS,
-        spread: 0.0,
-        gap: None,
-        termination: Termination::Direct,
-    };
+    let report = Report { rounds: ITERATIONS, ..Report::direct(&plane, evaluations) };
     Ok(Region::new(plane, best.rows, best.aspect, report))
 }
 

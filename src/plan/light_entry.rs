@@ -6,9 +6,7 @@ use super::{LightError, LightPlan, MapPlan, Measured, PlanError, Predicted, Solv
 use crate::job::Job;
 use crate::math::first_holding;
 use crate::measure::{EDGE_ON_DEGREES, Outside, Receivers};
-use crate::resolution::{
-    Bound, Certified, FilmQuestion, FittedLight, Judge, JudgedMap, certify, fit_light, polish, predict_only,
-};
+use crate::resolution::{Bound, Certified, FittedLight, Judge, JudgedMap, certify, fit_light, polish, predict_only};
 use crate::samples::LightSamples;
 use crate::scene::{Film, Light};
 use crate::visibility::Answer;
@@ -59,16 +57,7 @@ fn settle(
         no_map_needed(entry, facing, job);
         return Ok(());
     }
-    let question = FilmQuestion {
-        camera: stage.camera,
-        film: stage.film,
-        light,
-        bounds: stage.bounds,
-        quality: &job.quality,
-        map: &job.map,
-        solver: &job.solver,
-        sample_cap: job.sampling.cap as usize,
-    };
+    let question = stage.question(light, job);
     let mut fitted = match fit_light(&question, samples, film) {
         Ok(fitted) => fitted,
         Err(reason) => {

@@ -4,7 +4,7 @@ use super::PlanError;
 use crate::job::Job;
 use crate::math::Bounds;
 use crate::measure::{Outside, Receivers};
-use crate::resolution::Measure;
+use crate::resolution::{FilmQuestion, Measure};
 use crate::samples::{Grid, GridView, LightSamples, LightView, sample_light};
 use crate::scene::{Camera, Film, FrameTime, Light, SceneFrame, Shot};
 use crate::visibility::{Answer, Bvh, RayOffset, Tracer, View, classify, see};
@@ -36,6 +36,20 @@ pub(super) struct Lit {
 }
 
 impl FrameStage<'_> {
+    /// What is asked of one light.
+    pub(super) fn question<'b>(&'b self, light: &'b Light, job: &'b Job) -> FilmQuestion<'b> {
+        FilmQuestion {
+            camera: self.camera,
+            film: self.film,
+            light,
+            bounds: self.bounds,
+            quality: &job.quality,
+            map: &job.map,
+            solver: &job.solver,
+            sample_cap: job.sampling.cap as usize,
+        }
+    }
+
     /// Asks film and planning grid for one light; a film that is the grid is asked once.
     pub(super) fn look(&self, light: &Light, job: &Job) -> Lit {
         let FrameStage { tracer, camera, grid: view, offset, .. } = *self;

@@ -89,7 +89,7 @@ fn polished(stages: &Stages, light: &LightParts, held: &mut Held, asked: &Asked)
             return Ok(());
         };
         let receivers = Receivers::classify(stage.tracer, view, stage.camera, here, stage.offset);
-        let question = FilmQuestion { map: asked.map, ..question(stages, stage, here) };
+        let question = FilmQuestion { map: asked.map, ..stage.question(here, job) };
         if let Ok(mut judge) = Judge::new(stage.tracer, view, &question, &held.fitted, &receivers, stage.offset) {
             polish(&question, &samples, &mut held.fitted, &mut judge)?;
         }
@@ -132,20 +132,6 @@ fn sized(
     }
 }
 
-fn question<'a>(stages: &'a Stages, stage: &'a FrameStage, here: &'a Light) -> FilmQuestion<'a> {
-    let job = stages.job;
-    FilmQuestion {
-        camera: stage.camera,
-        film: stage.film,
-        light: here,
-        bounds: stage.bounds,
-        quality: &job.quality,
-        map: &job.map,
-        solver: &job.solver,
-        sample_cap: job.sampling.cap as usize,
-    }
-}
-
 /// A segment's maps as they stand in a frame whose points `motion` takes to where they stand for the segment.
 fn carried(maps: &[JudgedMap], motion: Option<&RigidMotion>) -> Option<Vec<JudgedMap>> {
     let Some(motion) = motion else { return Some(maps.to_vec()) };
@@ -185,7 +171,7 @@ fn enter(
     }
     let in_light: Vec<_> = window::maps(held, frame, held.size).into_iter().map(|m| m.region).collect();
     let regions = in_frame(&in_light, &part.edges);
-    let question = question(stages, stage, here);
+    let question = stage.question(here, job);
     let mut certified = match (stage.view, &film) {
         (Some(view), Some(film)) => {
             let mut judge = Judge::of_maps(stage.tracer, view, &question, maps, film, stage.offset);
