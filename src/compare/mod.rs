@@ -17,7 +17,6 @@ mod glyphs;
 mod hemisphere;
 mod params;
 mod picture;
-mod prng;
 mod run;
 mod scatter;
 mod statistics;

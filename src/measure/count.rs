@@ -112,32 +112,26 @@ pub fn count(receivers: &Receivers, maps: &[Drawn], outside: Outside) -> Counts 
 
 /// Indices of the receivers that are answered wrongly, ascending.
 pub fn wrong(receivers: &Receivers, maps: &[Drawn], outside: Outside) -> Vec<u32> {
-    by_chunk(receivers, |range| {
-        let mut wrong = Vec::new();
-        answers(receivers, maps, range, |i, looked| {
-            if answer_of(looked, outside) != receivers.shadowed[i] {
-                wrong.push(i as u32);
-            }
-        });
-        wrong
-    })
-    .concat()
+    fewer_wrong(receivers, maps, outside, u64::MAX).unwrap_or_default()
 }
 
-/// The number of receivers that are answered wrongly, if that is less than `limit`; counting ends where it is not.
-pub fn fewer_wrong(receivers: &Receivers, maps: &[Drawn], outside: Outside, limit: u64) -> Option<u64> {
+/// [`wrong`], if there are fewer than `limit`; looking up ends where there are not.
+pub fn fewer_wrong(receivers: &Receivers, maps: &[Drawn], outside: Outside, limit: u64) -> Option<Vec<u32>> {
     let found = AtomicU64::new(0);
-    by_chunk(receivers, |range| {
+    let wrong = by_chunk(receivers, |range| {
+        let mut wrong = Vec::new();
         if found.load(Ordering::Relaxed) < limit {
-            let mut wrong = 0;
             answers(receivers, maps, range, |i, looked| {
-                wrong += u64::from(answer_of(looked, outside) != receivers.shadowed[i]);
+                if answer_of(looked, outside) != receivers.shadowed[i] {
+                    wrong.push(i as u32);
+                }
             });
-            found.fetch_add(wrong, Ordering::Relaxed);
+            found.fetch_add(wrong.len() as u64, Ordering::Relaxed);
         }
+        wrong
     });
     // Chunks were left out only when those before them held `limit` already.
-    Some(found.into_inner()).filter(|wrong| *wrong < limit)
+    (found.into_inner() < limit).then(|| wrong.concat())
 }
 
 /// Receivers that one thread takes at a time.
@@ -210,8 +204,8 @@ mod tests {
                 assert!(all > 1000);
                 assert_eq!(wrong(&receivers, &maps, outside), one_by_one);
                 assert_eq!(count(&receivers, &maps, outside).wrong(), all);
-                for (limit, found) in [(u64::MAX, Some(all)), (all + 1, Some(all)), (all, None), (100, None), (0, None)]
-                {
+                for limit in [u64::MAX, all + 1, all, 100, 0] {
+                    let found = (limit > all).then(|| one_by_one.clone());
                     assert_eq!(fewer_wrong(&receivers, &maps, outside, limit), found);
                 }
             }

@@ -6,7 +6,7 @@ use super::{LightError, LightPlan, MapPlan, Measured, PlanError, Predicted, Solv
 use crate::job::Job;
 use crate::math::first_holding;
 use crate::measure::{EDGE_ON_DEGREES, Outside, Receivers};
-use crate::resolution::{Bound, Certified, FittedLight, Judge, JudgedMap, certify, fit_light, polish, predict_only};
+use crate::resolution::{self, Bound, Certified, FittedLight, Judge, JudgedMap, certify, fit_light, predict_only};
 use crate::samples::LightSamples;
 use crate::scene::{Film, Light};
 use crate::visibility::Answer;
@@ -65,7 +65,7 @@ fn settle(
             return Ok(());
         }
     };
-    let polishes = choose.is_none();
+    let given = choose.is_some();
     if let Some(choose) = choose {
         fitted = choose(fitted, samples);
     }
@@ -80,10 +80,11 @@ fn settle(
                     return Ok(());
                 }
             };
-            if polishes {
-                polish(&question, samples, &mut fitted, &mut judge)?;
-            }
-            let certified = certify(&question, &fitted, &mut judge)?;
+            let certified = if given {
+                certify(&question, &fitted, &mut judge)?
+            } else {
+                resolution::choose(&question, samples, &mut fitted, &mut judge)?
+            };
             entry.cost.texels_drawn = judge.texels_drawn;
             entry.cost.triangles_drawn = judge.triangles_drawn;
             (judge.maps, certified)

@@ -77,6 +77,8 @@ pub(super) fn sampling(sampling: &SamplingParams) -> Result<(), Problem> {
 
 pub(super) fn solver(solver: &SolverParams) -> Result<(), Problem> {
     require(solver.rounds <= 100, "solver.rounds", solver.rounds, "0 to 100")?;
+    let measured = solver.measured_rounds;
+    require(measured <= 1000, "solver.measured_rounds", measured, "0 to 1000")?;
     let tolerance = solver.tolerance;
     require(tolerance > 0.0 && tolerance <= 1.0, "solver.tolerance", tolerance, "above 0 and at most 1")?;
     require((1..=64).contains(&solver.maps), "solver.maps", solver.maps, "1 to 64")?;
