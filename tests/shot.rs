@@ -232,7 +232,7 @@ fn every_mode_is_planned_verified_and_compared() {
     }
     let job = load(folder.path(), WALK, "[map]\nshape = 'rectangle'\n[solver]\nmeasured_rounds = 0");
     let modes = [Temporal::PerFrame, Temporal::Hysteresis, Temporal::Snapped, Temporal::Shot];
-    let rows = watched(|watch| compare_temporal(&job, &modes, watch)).unwrap();
+    let rows = watched(|watch| compare_temporal(&job, &modes, None, watch)).unwrap();
     let value: serde_json::Value = serde_json::from_str(&temporal_json(&rows).unwrap()).unwrap();
     for (row, mode) in value["temporal"].as_array().unwrap().iter().zip(["per-frame", "hysteresis", "snapped", "shot"])
     {
