@@ -232,7 +232,10 @@ fn every_mode_is_planned_verified_and_compared() {
     }
     let job = load(folder.path(), WALK, "[map]\nshape = 'rectangle'\n[solver]\nmeasured_rounds = 0");
     let modes = [Temporal::PerFrame, Temporal::Hysteresis, Temporal::Snapped, Temporal::Shot];
-    let rows = watched(|watch| compare_temporal(&job, &modes, None, watch)).unwrap();
+    let rows = watched(|watch| compare_temporal(&job, &modes, Some(folder.path()), watch)).unwrap();
+    let file = std::fs::File::open(folder.path().join("swimming.png")).unwrap();
+    let picture = png::Decoder::new(std::io::BufReader::new(file)).read_info().unwrap();
+    assert_eq!((picture.info().width, picture.info().height), (6 * 128 + 5 * 4, 4 * 72 + 3 * 4));
     let value: serde_json::Value = serde_json::from_str(&temporal_json(&rows).unwrap()).unwrap();
     for (row, mode) in value["temporal"].as_array().unwrap().iter().zip(["per-frame", "hysteresis", "snapped", "shot"])
     {
@@ -302,4 +305,56 @@ fn a_changed_plan_is_found_out() {
     broken(&|l| l.temporal.as_mut().unwrap().reused_from = None, "says neither");
     broken(&|l| l.temporal.as_mut().unwrap().decided_by = Some(77), "frame 77 is said to need the size");
     broken(&|l| l.maps[0].clip_from_world[0][3] += 1e-4, "not those drawn in frame 1");
+}
+
+/// The courtyard's lamp, frame by frame: under matrices that change, blending leaves fewer wrong pixels and less flicker of
+/// the same maps, so that smaller ones do.
+#[test]
+fn a_renderer_that_blends_over_time_is_planned_with_smaller_maps() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/courtyard/courtyard.glb");
+    let text = format!(
+        "scene = '{scene}'\nframes = {{ range = '30-33' }}\nimage = {{ size = [160, 90] }}\nlight = [{{ name = 'lamp' }}]\n\
+         quality = {{ epsilon = 0.03 }}\nshot = {{ temporal = 'per-frame' }}"
+    );
+    let planned = |overrides: &str| {
+        let job = load(folder.path(), &text, overrides);
+        watched(|watch| plan::make(&job, folder.path(), false, watch))
+    };
+    let alone = planned("").unwrap();
+    let blended = planned("lookup = { temporal = 'reprojection' }").unwrap();
+    assert!(alone.summary.met && blended.summary.met);
+    let (drawn, plain) = (blended.summary.texels_drawn, alone.summary.texels_drawn);
+    assert!(drawn * 10 < plain * 8, "{drawn} of {plain}");
+    let shown: Vec<_> = of(&blended, "lamp").into_iter().map(|l| l.reprojected.unwrap()).collect();
+    assert!(shown.iter().all(|s| s.met && s.misclassified as f64 <= 0.03 * 160.0 * 90.0));
+    let flicker: u64 = shown.iter().filter_map(|s| s.flicker).map(|f| f.still).sum();
+    assert!(flicker * 2 < alone.summary.flicker.unwrap(), "{flicker}, {:?}", alone.summary);
+    assert!(shown[0].flicker.is_none() && blended.conventions.filter.contains("reprojection"));
+    assert!(alone.frames[0].lights[0].reprojected.is_none() && !alone.conventions.filter.contains("reprojection"));
+    assert_holds(&blended, folder.path());
+
+    let mut forged = blended.clone();
+    forged.frames[2].lights[0].reprojected.as_mut().unwrap().misclassified -= 1;
+    let found = verify(&forged, folder.path());
+    assert!(found.lights.iter().any(|l| l.reasons.iter().any(|r| r.starts_with("reprojected is"))));
+
+    let refused = planned("lookup = { temporal = 'reprojection' }\nframes = { range = '30-34x2' }").unwrap_err();
+    assert!(refused.to_string().contains("frame 32 follows frame 30"), "{refused}");
+}
+
+/// Where neither camera nor map moves, every frame answers alike.
+#[test]
+fn blending_adds_nothing_to_what_stands_still() {
+    let folder = tempfile::tempdir().unwrap();
+    scene(folder.path(), None);
+    let still =
+        "camera = { position = [7.0, 3.0, 4.0], look_at = [0.0, 0.5, 0.0] }\nlookup = { temporal = 'reprojection' }";
+    let plan = planned(folder.path(), still);
+    assert_holds(&plan, folder.path());
+    for entry in of(&plan, "sun") {
+        let (measured, shown) = (entry.error.unwrap().measured.unwrap(), entry.reprojected.unwrap());
+        assert_eq!((shown.misclassified, shown.uncertain), (measured.misclassified, measured.uncertain));
+        assert!(shown.flicker.is_none_or(|f| f.still + f.moved == 0));
+    }
 }
