@@ -7,8 +7,8 @@ const SIZE: [f64; 2] = [640.0, 480.0];
 const MARGIN: f64 = 70.0;
 /// Width of the legend.
 const LEGEND: f64 = 190.0;
-/// Okabe and Ito's colours, told apart by most eyes; then again from the first.
-const COLOURS: [&str; 8] = ["#000000", "#d55e00", "#0072b2", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#b8a800"];
+/// Colours of lines and dots: Okabe and Ito's, told apart by most eyes; then again from the first.
+pub const COLOURS: [&str; 8] = ["#000000", "#d55e00", "#0072b2", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#b8a800"];
 /// Where no pixel is wrong: the axis has no zero.
 const LEAST_WRONG: f64 = 0.5;
 
