@@ -175,7 +175,11 @@ fn verify_finds_forged_sizes_gains_and_sums() {
         assert!(!found.passed && reasons.iter().any(|r| r.contains(word)), "{word}: {reasons:#?}");
     };
     forged(&|p| p.frames[0].lights[0].budget.as_mut().unwrap().price *= 1.01, "from the sizes tried");
-    forged(&|p| p.frames[0].lights[0].error.as_mut().unwrap().tried[0].misclassified += 5000, "from the sizes tried");
+    let tripled = |p: &mut Plan| {
+        let tried = &mut p.frames[0].lights[0].error.as_mut().unwrap().tried;
+        tried.iter_mut().for_each(|t| t.misclassified *= 3);
+    };
+    forged(&tripled, "from the sizes tried");
     forged(&|p| p.frames[0].lights[0].budget = None, "no share of the budget");
     forged(&|p| p.budget.as_mut().unwrap().misclassified -= 1, "budget does not say");
     forged(&|p| p.frames[0].lights[0].epsilon *= 0.5, "of the image is wrong");

@@ -69,7 +69,7 @@ pub(super) fn map_entry(
 /// Gives map `k` of a light another size, with what the entry says of bias and rounding there. `seen` as for [`map_entry`].
 pub(super) fn resize(maps: &mut [MapPlan], k: usize, size: [u32; 2], light: &Light, seen: &[Seen]) {
     let domains: Vec<_> = maps.iter().map(|m| domain::read(&m.domain)).collect();
-    let map = &mut maps[k];
+    let Some(map) = maps.get_mut(k) else { return };
     let m = matrix_from_rows(&map.clip_from_world);
     let answers = |p: DVec3| first_holding(domains.iter(), p) == Some(k);
     let looked_up = |s: &Seen| answers(s.position) && uv_of(&m, s.position).is_some_and(|(uv, _)| in_unit(uv));

@@ -65,8 +65,8 @@ pub(in crate::plan) fn resized(
 ) -> Result<LightPlan, RasterError> {
     let mut entry = case.entry.clone();
     let seen = seen_on_film(case.tracer, case.view, case.camera, case.receivers);
-    for k in 0..entry.maps.len() {
-        resize(&mut entry.maps, k, chosen[k], case.light, &seen);
+    for (k, size) in chosen.iter().enumerate() {
+        resize(&mut entry.maps, k, *size, case.light, &seen);
     }
     let of_pixels = case.view.film.pixels() as u64;
     let verdict = counts.get(chosen).and_then(|v| v.get(case.place[1])).copied().unwrap_or_default();

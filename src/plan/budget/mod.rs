@@ -33,9 +33,12 @@ use sizes::STEP;
 
 use units::limits;
 
-/// Rounds of sharing texels out and measuring what came of it. The first finds the sizes to a factor of the exponents'
-/// error; later ones know the curve there.
-const ROUNDS: u32 = 3;
+/// Rounds of sharing texels out and measuring what came of it, at most; it ends where nothing new comes up. The first finds the
+/// sizes to a factor of the exponents' error; later ones know the curve there.
+const ROUNDS: u32 = 6;
+
+/// Gains and prices closer than this factor are equal.
+const EQUAL: f64 = 1.05;
 
 /// Sizes beside the one of equal gains that are measured with it, times its texels: counts are noisy, and of sizes that are
 /// near the measured ones decide.
@@ -145,14 +148,14 @@ impl Search {
     /// Weighted wrong pixels as measured at some sizes; infinite where one was not measured.
     fn weighted(&self, sizes: &[Sizes]) -> f64 {
         let of = |(u, sizes): (usize, &Sizes)| {
-            let wrong = self.counts[u].get(sizes).map_or(f64::INFINITY, wrong_of);
+            let wrong = self.counts[u].get(sizes).map_or(f64::INFINITY, |v| wrong_of(v));
             if self.units[u].importance > 0.0 { self.units[u].importance * wrong } else { 0.0 }
         };
         sizes.iter().enumerate().map(of).sum()
     }
 
-    /// The sizes with the fewest weighted wrong pixels measured, of those that equal gains lead to: in each round the sizes
-    /// nearest to equal gains, and the measured sizes that span the curves around them.
+    /// Sizes of equal gains, of those that came up the ones with the fewest weighted wrong pixels measured: in each round the
+    /// sizes nearest to equal gains, and the measured sizes that span the curves around them.
     fn settled(
         &mut self,
         stages: &Stages,
@@ -161,19 +164,13 @@ impl Search {
         watch: &Watch,
     ) -> Result<Result<Vec<Sizes>, TooSmall>, PlanError> {
         let ladders: Vec<Vec<f64>> = self.ladders.iter().map(|l| l.texels.clone()).collect();
-        let mut best: Option<(f64, Vec<Sizes>)> = None;
-        let mut consider = |sizes: Vec<Sizes>, search: &Search| {
-            let weighted = search.weighted(&sizes);
-            if best.as_ref().is_none_or(|b| weighted < b.0) {
-                best = Some((weighted, sizes));
-            }
+        let mut candidates: Vec<Vec<Sizes>> = Vec::new();
+        let mut items = self.items();
+        let mut allocation = match allocate(&items, limits) {
+            Ok(allocation) => allocation,
+            Err(too_small) => return Ok(Err(too_small)),
         };
         for _ in 0..ROUNDS {
-            let items = self.items();
-            let allocation: Allocation = match allocate(&items, limits) {
-                Ok(allocation) => allocation,
-                Err(too_small) => return Ok(Err(too_small)),
-            };
             let places = settle(&items, &ladders, limits, &allocation);
             let near = |(ladder, place): (&Ladder, &usize)| {
                 let beside = NEAR.map(|factor| ladder.at_most(ladder.texels[*place] * factor));
@@ -183,18 +180,28 @@ impl Search {
             };
             let wanted = self.ladders.iter().zip(&places).map(near).collect();
             let new = self.measure(stages, frames, wanted, watch)?;
-            consider(self.ladders.iter().zip(&places).map(|(l, place)| l.sizes(*place)).collect(), self);
-            let items = self.items();
-            if let Ok(allocation) = allocate(&items, limits) {
-                let spanning: Vec<Vec<f64>> =
-                    items.iter().map(|i| i.curve.hull().iter().map(|p| p.texels).collect()).collect();
-                let places = settle(&items, &spanning, limits, &allocation);
-                consider((0..items.len()).map(|u| self.spanning(u, spanning[u][places[u]])).collect(), self);
-            }
+            candidates.push(self.ladders.iter().zip(&places).map(|(l, place)| l.sizes(*place)).collect());
+            items = self.items();
+            allocation = match allocate(&items, limits) {
+                Ok(allocation) => allocation,
+                Err(too_small) => return Ok(Err(too_small)),
+            };
+            let spanning: Vec<Vec<f64>> =
+                items.iter().map(|i| i.curve.hull().iter().map(|p| p.texels).collect()).collect();
+            let places = settle(&items, &spanning, limits, &allocation);
+            candidates.push((0..items.len()).map(|u| self.spanning(u, spanning[u][places[u]])).collect());
             if !new {
                 break;
             }
         }
+        let rank = |sizes: &Vec<Sizes>| {
+            let imbalance = imbalance(&items, sizes, &allocation);
+            (if imbalance <= EQUAL { 1.0 } else { imbalance }, self.weighted(sizes))
+        };
+        let best = candidates.into_iter().map(|c| (rank(&c), c)).reduce(|a, b| {
+            let order = b.0.0.total_cmp(&a.0.0).then(b.0.1.total_cmp(&a.0.1));
+            if order.is_lt() { b } else { a }
+        });
         Ok(Ok(best.map_or_else(|| self.smallest(), |b| b.1)))
     }
 
@@ -211,7 +218,16 @@ impl Search {
     }
 }
 
+/// The largest factor by which a price is outside of the gains at some sizes.
+fn imbalance(items: &[Item], sizes: &[Sizes], allocation: &Allocation) -> f64 {
+    let of = |((item, sizes), price): ((&Item, &Sizes), &f64)| {
+        let [last, next] = item.curve.gains(measure::texels(sizes) as f64).map(|g| g * item.weight);
+        if *price > 0.0 { (price / last).max(next / price) } else { 1.0 }
+    };
+    items.iter().zip(sizes).zip(&allocation.prices).map(of).fold(1.0, f64::max)
+}
+
 /// Certainly wrong pixels of all entries of a unit.
-fn wrong_of(verdicts: &Vec<Verdict>) -> f64 {
+fn wrong_of(verdicts: &[Verdict]) -> f64 {
     verdicts.iter().map(|v| v.certain.wrong() as f64).sum()
 }
