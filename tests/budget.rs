@@ -183,7 +183,12 @@ fn verify_finds_forged_sizes_gains_and_sums() {
     forged(&|p| p.frames[0].lights[0].budget = None, "no share of the budget");
     forged(&|p| p.budget.as_mut().unwrap().misclassified -= 1, "budget does not say");
     forged(&|p| p.frames[0].lights[0].epsilon *= 0.5, "of the image is wrong");
-    forged(&|p| p.job.job.budget.texels_total = Some(19_000), "the limits of the budget are passed");
+    let lowered = |p: &mut Plan| {
+        p.job.job.budget.texels_total = Some(19_000);
+        p.budget.as_mut().unwrap().held = false;
+    };
+    forged(&|p| p.job.job.budget.texels_total = Some(19_000), "budget does not say");
+    forged(&lowered, "the limits of the budget are passed");
 }
 
 #[test]
