@@ -34,6 +34,6 @@ pub use run::compare;
 pub use scatter::scatter;
 pub use summary::{Correlation, MethodSummary, Ratio, Summary, Worst, summarise};
 pub use table::table;
-pub use temporal::{TemporalLight, TemporalRow, compare_temporal, temporal_json, temporal_table};
+pub use temporal::{STRIP_FRAMES, TemporalLight, TemporalRow, compare_temporal, temporal_json, temporal_table};
 pub use types::{CaseLight, Comparison, Measured, MethodRows, PerLight, TexelsFor};
 pub use variant::Variant;

@@ -74,19 +74,31 @@ pub fn look_up(maps: &[Drawn], point: DVec3) -> Looked {
 
 /// Looks a scene point up in one map, whatever its domain.
 fn look_up_in(drawn: &Drawn, point: DVec3) -> Looked {
+    let Some([u, v, z]) = place_in(drawn, point) else { return Looked::Outside };
+    let stored = drawn.map.depth[v as usize * drawn.map.width as usize + u as usize];
+    Looked::Answered { shadowed: z.clamp(0.0, 1.0) as f32 > stored }
+}
+
+/// Where a scene point lies in a map, texels, and its window depth; `None` outside.
+fn place_in(drawn: &Drawn, point: DVec3) -> Option<[f64; 3]> {
     let clip = drawn.clip_from_scene * point.extend(1.0);
     if clip.w <= 0.0 {
-        return Looked::Outside;
+        return None;
     }
     let (width, height) = (f64::from(drawn.map.width), f64::from(drawn.map.height));
     let u = (clip.x / clip.w * 0.5 + 0.5) * width;
     let v = (clip.y / clip.w * 0.5 + 0.5) * height;
-    if !(u >= 0.0 && u < width && v >= 0.0 && v < height) {
-        return Looked::Outside;
-    }
-    let depth = (clip.z / clip.w * 0.5 + 0.5).clamp(0.0, 1.0) as f32;
-    let stored = drawn.map.depth[v as usize * drawn.map.width as usize + u as usize];
-    Looked::Answered { shadowed: depth > stored }
+    let inside = u >= 0.0 && u < width && v >= 0.0 && v < height;
+    inside.then_some([u, v, clip.z / clip.w * 0.5 + 0.5])
+}
+
+/// How near a scene point is looked up to the centre of its texel, in the maximum norm: 1 there, 0 at the texel's border;
+/// `None` where no map holds it.
+pub(super) fn confidence(maps: &[Drawn], point: DVec3) -> Option<f64> {
+    let drawn = maps.iter().find(|m| m.domain.holds(point))?;
+    let [u, v, _] = place_in(drawn, point)?;
+    let off = |c: f64| 2.0 * (c.fract() - 0.5).abs();
+    Some(1.0 - off(u).max(off(v)))
 }
 
 /// Looks every receiver up.

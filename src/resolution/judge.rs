@@ -86,6 +86,14 @@ impl JudgedMap {
     }
 }
 
+/// A larger and no bias: what is wrong under a bias and right under one of these is owed to the bias.
+pub fn other_biases(bias: Bias) -> [Bias; 2] {
+    /// How much larger the larger bias is.
+    const LARGER: f64 = 4.0;
+    let (constant, slope, clamp) = (bias.constant * LARGER * LARGER, bias.slope * LARGER, bias.clamp * LARGER);
+    [Bias { constant, slope, clamp }, Bias::NONE]
+}
+
 /// The light matrix of a region: its unit square becomes clip space [-1, 1]².
 fn clip_from_scene(region: &Region, depth_row: DVec4) -> DMat4 {
     let unit = region.space.clip_from_scene(&region.h, depth_row);
@@ -242,12 +250,8 @@ impl<'a> Judge<'a> {
 
     /// Wrong receivers that neither a larger nor no bias answers right: misplaced shadow edges.
     pub fn misplaced(&mut self, sizes: &[[u32; 2]], bias: Bias, wrong: &[u32]) -> Result<Vec<u32>, RasterError> {
-        /// How much larger the larger bias is.
-        const LARGER: f64 = 4.0;
-        let larger =
-            Bias { constant: bias.constant * LARGER * LARGER, slope: bias.slope * LARGER, clamp: bias.clamp * LARGER };
         let mut edge = wrong.to_vec();
-        for other in [larger, Bias::NONE] {
+        for other in other_biases(bias) {
             let drawn = self.draw(sizes, other)?;
             let still_wrong = self.wrong(&drawn);
             edge.retain(|i| still_wrong.binary_search(i).is_ok());

@@ -16,7 +16,7 @@ pub use certify::{Certified, Trial, certify, choose, grid_of, predict_only, pred
 pub use fitted::{
     FilmQuestion, FittedLight, bound_limit, fit_light, fit_texels, predict, predicted_bound, predicted_texels,
 };
-pub use judge::{Judge, JudgedMap};
+pub use judge::{Judge, JudgedMap, other_biases};
 pub use params::{AspectRule, BiasParams, Bound, MapParams, Measure, QualityParams, SIZE_MAX, SingleSided};
 pub use polish::{Drawing, polish, polishes, size_on_grid};
 pub use search::{Probe, smallest};
