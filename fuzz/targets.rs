@@ -50,7 +50,7 @@ fn scene(bytes: &[u8], folder: &Path, name: &str) -> Result<(), String> {
             frames: &FramesParams { range: Some("1-3".into()), fps: None },
             image: &ImageParams::default(),
             camera: &CameraParams { frame_all: true, ..CameraParams::default() },
-            lights: &[sun.clone()],
+            lights: std::slice::from_ref(&sun),
             visibility: &VisibilityParams::default(),
             allow_outside: false,
         })?;

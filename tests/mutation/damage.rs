@@ -58,12 +58,12 @@ pub(crate) fn skeleton(outcome: &Result<(), String>) -> String {
     let (mut quoted, mut escaped) = (false, false);
     for c in line.chars() {
         match c {
-            '"' | '`' | '\'' if !escaped => quoted = !quoted,
+            '"' | '`' if !escaped => quoted = !quoted,
             'a'..='z' | 'A'..='Z' | ' ' if !quoted => skeleton.push(c),
             _ => {}
         }
         escaped = c == '\\' && !escaped;
     }
-    // Words of the input come late in a message; the path of the folder is its first one.
-    skeleton.split_whitespace().skip(1).take(12).collect::<Vec<_>>().join(" ")
+    // The first word is the folder's path; what the input itself says comes late in a message.
+    skeleton.split_whitespace().skip(1).take(5).collect::<Vec<_>>().join(" ")
 }
