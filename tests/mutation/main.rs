@@ -24,6 +24,9 @@ use std::path::Path;
 /// Damaged cases of each target by default: a few seconds.
 const RUNS: u64 = 3000;
 
+/// Cases that a run goes on from: messages of parsers that quote the input would let them grow without end.
+const CASES: usize = 512;
+
 fn number(name: &str, otherwise: u64) -> u64 {
     std::env::var(name).ok().and_then(|text| text.parse().ok()).unwrap_or(otherwise)
 }
@@ -61,7 +64,9 @@ fn run(target: &str, seeds: Vec<Vec<u8>>, likely: &[&str], read: fn(&[u8], &Path
         let outcome = skeleton(&found);
         match met.get(&outcome) {
             None => {
-                cases.push(case.clone());
+                if cases.len() < CASES {
+                    cases.push(case.clone());
+                }
                 met.insert(outcome, case);
             }
             Some(smallest) if case.len() < smallest.len() => {
