@@ -29,6 +29,9 @@ pub(super) struct JobFlags {
     /// Animation that plays, by name; may be given several times [default: all that go together]
     #[arg(long, value_name = "NAME")]
     animation: Vec<String>,
+    /// Scene files may name files outside their own folders
+    #[arg(long)]
+    allow_outside: bool,
     /// The bound: a share of the image's pixels, or pixels
     #[arg(long, value_name = "E", allow_negative_numbers = true)]
     epsilon: Option<f64>,
@@ -59,7 +62,7 @@ pub(super) struct JobFlags {
 
 impl JobFlags {
     /// Every flag: its name, its key, and its value if it was given.
-    fn entries(&self) -> [(&'static str, &'static str, Option<Value>); 13] {
+    fn entries(&self) -> [(&'static str, &'static str, Option<Value>); 14] {
         let one = |values: &[String]| match values {
             [value] => Some(Value::String(value.clone())),
             _ => None,
@@ -72,6 +75,7 @@ impl JobFlags {
             ("--camera", "camera.name", text(&self.camera)),
             ("--active-scene", "active_scene", text(&self.active_scene)),
             ("--animation", "animation", (!self.animation.is_empty()).then(|| names(&self.animation))),
+            ("--allow-outside", "allow_outside", self.allow_outside.then_some(Value::Boolean(true))),
             ("--epsilon", "quality.epsilon", self.epsilon.map(Value::Float)),
             ("--budget", "budget", self.budget.clone().map(Value::Table)),
             ("--bound", "quality.bound", text(&self.bound)),

@@ -50,6 +50,9 @@ pub struct Job {
     #[serde(deserialize_with = "animations", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Option<OneOrMany<String>>")]
     pub animation: Option<Vec<String>>,
+    /// Scene files may name files outside their own folders (buffers, images, material libraries).
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub allow_outside: bool,
     /// The settings that the job and the command line are laid over.
     pub preset: Preset,
     /// Which moments are planned.

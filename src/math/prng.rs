@@ -11,12 +11,12 @@ impl Prng {
     /// A stream of its own for each seed and index.
     pub fn new(seed: u64, index: u64) -> Prng {
         let mut of_seed = Prng(seed);
-        let mixed = of_seed.next();
+        let mixed = of_seed.next_u64();
         Prng(mixed.wrapping_add(index.wrapping_mul(GAMMA).rotate_left(32)))
     }
 
     /// The next 64 bits.
-    pub fn next(&mut self) -> u64 {
+    pub fn next_u64(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(GAMMA);
         let mut z = self.0;
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -26,7 +26,7 @@ impl Prng {
 
     /// The next number in [0, 1), with 53 bits.
     pub fn unit(&mut self) -> f64 {
-        (self.next() >> 11) as f64 / (1_u64 << 53) as f64
+        (self.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
     }
 
     /// The next number of the normal distribution with mean 0 and deviation 1 (Box and Muller 1958).
@@ -37,7 +37,7 @@ impl Prng {
 
     /// The next whole number below `count`; 0 for a count of 0. The bias of the product is below count / 2⁶⁴.
     pub fn below(&mut self, count: usize) -> usize {
-        ((u128::from(self.next()) * count as u128) >> 64) as usize
+        ((u128::from(self.next_u64()) * count as u128) >> 64) as usize
     }
 }
 
@@ -49,7 +49,7 @@ mod tests {
     fn the_stream_is_the_published_one() {
         // First outputs of SplitMix64 for the seed 1234567, as in its reference implementation.
         let mut stream = Prng(1_234_567);
-        assert_eq!([stream.next(), stream.next()], [6_457_827_717_110_365_317, 3_203_168_211_198_807_973]);
+        assert_eq!([stream.next_u64(), stream.next_u64()], [6_457_827_717_110_365_317, 3_203_168_211_198_807_973]);
     }
 
     #[test]

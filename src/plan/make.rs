@@ -24,6 +24,7 @@ pub(crate) fn load_shot(job: &LoadedJob) -> Result<Shot, PlanError> {
         camera: &job.camera(),
         lights: &job.job.light,
         visibility: &job.job.visibility,
+        allow_outside: job.job.allow_outside,
     };
     Ok(scene::load(&params)?)
 }

@@ -40,7 +40,7 @@ pub(super) fn map_entry(
     let looked_up = |p: DVec3| answers(p) && uv_of(m, p).is_some_and(|(uv, _)| in_unit(uv));
     let inside: Vec<Seen> = seen.iter().copied().filter(|s| looked_up(s.position)).collect();
     let units = bias_units(m, size, light, &bias, inside.iter().map(|s| (s.position, s.normal)));
-    let (light_camera, light_camera_reason) = match light_camera(&map.region, m) {
+    let (light_camera, light_camera_reason) = match light_camera(map) {
         Ok(camera) => (Some(camera), None),
         Err(reason) => (None, Some(reason)),
     };

@@ -12,7 +12,7 @@ use crate::measure::{
     Cache, Certainty, Drawn, Earlier, LightThenNow, Moment, Outside, Receivers, Verdict, flicker, reproject, wrong,
 };
 use crate::raster::{Bias, Canvas, RasterError};
-use crate::resolution::{MapParams, SingleSided};
+use crate::resolution::{MapParams, SingleSided, TEXELS_MAX};
 use crate::scene::{Camera, Film, Light, Shot};
 use crate::visibility::{Bvh, RayOffset, Tracer, View};
 
@@ -101,6 +101,10 @@ pub(super) fn remeasure(
     let receivers = Receivers::classify(tracer, view, camera, light, offset);
     let drawn = match drawn {
         Some(drawn) => drawn,
+        None if maps.iter().map(MapPlan::texels).sum::<u64>() > TEXELS_MAX => {
+            let largest = maps.iter().max_by_key(|map| map.texels()).map_or([0, 0], |map| [map.width, map.height]);
+            return Err(RasterError::Size { width: largest[0], height: largest[1] });
+        }
         None => Arc::new(
             maps.iter()
                 .map(|map| draw_map(tracer, light, map, [map.width, map.height], None, params.single_sided))

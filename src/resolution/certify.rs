@@ -68,7 +68,7 @@ pub fn choose(
     polish(question, samples, fitted, judge, &Drawing { size: &size, bias: first.bias })?;
     let polished = smallest_size(question, fitted, judge, first.bias, None)?;
     // What is better at one size may be worse at the sizes that count.
-    if polished.met >= first.met && (polished.met > first.met || polished.texels() <= first.texels()) {
+    if (polished.met && !first.met) || (polished.met == first.met && polished.texels() <= first.texels()) {
         return Ok(polished);
     }
     (*fitted, judge.maps) = before;

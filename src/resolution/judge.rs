@@ -1,7 +1,8 @@
 //! Draws a light's maps at a size and judges every film pixel, certain and uncertain apart.
 
 use super::{Bound, FilmQuestion, FittedLight, QualityParams};
-use crate::depth::{DepthError, DepthRow, Kept, Visible, fit_row};
+use crate::depth::{DepthError, DepthRow, Kept, RowKind, Visible, fit_row};
+use crate::fit::Shape;
 use crate::math::first_holding;
 use crate::measure::{
     Certainty, Drawn, Receivers, UNCERTAIN_SLACK, Verdict, edge_distance, fewer_wrong, footprint, wrong,
@@ -81,7 +82,7 @@ impl JudgedMap {
     /// # Errors
     /// [`DepthError`]: nothing is kept, or it has no finite row.
     pub fn holding(region: Region, kept: &Kept) -> Result<JudgedMap, DepthError> {
-        let depth = fit_row(kept, region.is_camera())?;
+        let depth = fit_row(kept, row_kind(&region))?;
         Ok(JudgedMap { clip_from_scene: clip_from_scene(&region, depth.row), region, depth })
     }
 }
@@ -92,6 +93,18 @@ pub fn other_biases(bias: Bias) -> [Bias; 2] {
     const LARGER: f64 = 4.0;
     let (constant, slope, clamp) = (bias.constant * LARGER * LARGER, bias.slope * LARGER, bias.clamp * LARGER);
     [Bias { constant, slope, clamp }, Bias::NONE]
+}
+
+/// Which depth rows a region may have. A camera's: for directional lights when p4 is constant, that is without a warp; for
+/// point and spot lights wherever the job asks for cameras, and else unless that costs depth.
+fn row_kind(region: &Region) -> RowKind {
+    let p4 = region.h.row(2);
+    match (region.space.directional, region.shape()) {
+        (true, _) if p4.x == 0.0 && p4.y == 0.0 => RowKind::Plain,
+        (true, _) => RowKind::Free,
+        (false, Shape::Projective) => RowKind::PlainIfFine,
+        (false, Shape::Affine | Shape::Rectangle) => RowKind::Plain,
+    }
 }
 
 /// The light matrix of a region: its unit square becomes clip space [-1, 1]².

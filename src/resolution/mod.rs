@@ -17,7 +17,7 @@ pub use fitted::{
     FilmQuestion, FittedLight, bound_limit, fit_light, fit_texels, predict, predicted_bound, predicted_texels,
 };
 pub use judge::{Judge, JudgedMap, other_biases};
-pub use params::{AspectRule, BiasParams, Bound, MapParams, Measure, QualityParams, SIZE_MAX, SingleSided};
+pub use params::{AspectRule, BiasParams, Bound, MapParams, Measure, QualityParams, SIZE_MAX, SingleSided, TEXELS_MAX};
 pub use polish::{Drawing, polish, polishes, size_on_grid};
 pub use search::{Probe, smallest};
 pub use shares::shares;

@@ -138,6 +138,9 @@ pub struct MapParams {
 /// Largest width or height of a map or image, texels: what a renderer's textures and this memory allow.
 pub const SIZE_MAX: u32 = 16_384;
 
+/// Most texels of a light's maps together: what one map of the largest size has, 1 GiB of depth.
+pub const TEXELS_MAX: u64 = SIZE_MAX as u64 * SIZE_MAX as u64;
+
 impl Default for MapParams {
     fn default() -> Self {
         Self {

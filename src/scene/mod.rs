@@ -37,7 +37,7 @@ mod shot;
 mod split;
 mod track;
 
-pub use camera::{Camera, Film, Projection};
+pub use camera::{Camera, FILM_PIXELS_MAX, Film, Projection};
 pub use error::SceneError;
 pub use file::{LengthUnit, SceneFile, UpAxis};
 pub use frames::{FrameTime, parse_range};

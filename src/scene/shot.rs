@@ -12,8 +12,8 @@ use super::pose::Pose;
 use super::rig::Rig;
 use super::split::{self, Split};
 use super::{
-    CameraParams, Film, FramesParams, Geometry, ImageParams, LightParams, SceneError, SceneFile, SceneFrame, Triangle,
-    VisibilityParams, read,
+    CameraParams, FILM_PIXELS_MAX, Film, FramesParams, Geometry, ImageParams, LightParams, SceneError, SceneFile,
+    SceneFrame, Triangle, VisibilityParams, read,
 };
 use glam::{DAffine3, DVec3};
 use std::path::PathBuf;
@@ -22,6 +22,8 @@ use std::path::PathBuf;
 const DEFAULT_WIDTH: u32 = 1920;
 /// Width over height of the film where neither job nor camera say.
 const DEFAULT_ASPECT: f64 = 16.0 / 9.0;
+/// Least width over height of a film that a camera's own aspect gives: a number in a file may not ask for any memory.
+const NARROWEST: f64 = 0.125;
 /// Longest side of a film, pixels: 16 bits, as in most image formats.
 const MAX_SIDE: u32 = 65_535;
 
@@ -44,6 +46,8 @@ pub struct ShotParams<'a> {
     pub lights: &'a [LightParams],
     /// `[visibility]`.
     pub visibility: &'a VisibilityParams,
+    /// `allow_outside`: scene files may name files outside their own folders.
+    pub allow_outside: bool,
 }
 
 /// What is to be planned.
@@ -247,8 +251,17 @@ fn film(image: &ImageParams, aspect: Option<f64>) -> Result<Film, SceneError> {
             let problem = format!("width and height must lie between 1 and {MAX_SIDE} pixels");
             return Err(SceneError::bad_value("image.size", [width, height], problem));
         }
+        if u64::from(width) * u64::from(height) > FILM_PIXELS_MAX {
+            let problem = format!("must be at most {FILM_PIXELS_MAX} pixels; render in tiles");
+            return Err(SceneError::bad_value("image.size", [width, height], problem));
+        }
         return Ok(Film { width, height });
     }
-    let height = (f64::from(DEFAULT_WIDTH) / aspect.unwrap_or(DEFAULT_ASPECT)).round();
-    Ok(Film { width: DEFAULT_WIDTH, height: height.clamp(1.0, f64::from(MAX_SIDE)) as u32 })
+    let aspect = aspect.unwrap_or(DEFAULT_ASPECT);
+    if aspect < NARROWEST {
+        let problem = format!("missing, and the camera's aspect ratio {aspect} makes no image; give width and height");
+        return Err(SceneError::bad_key("image.size", problem));
+    }
+    let height = (f64::from(DEFAULT_WIDTH) / aspect).round().max(1.0);
+    Ok(Film { width: DEFAULT_WIDTH, height: height as u32 })
 }

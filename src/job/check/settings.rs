@@ -4,8 +4,8 @@ use super::{Problem, problem, require};
 use crate::budget::TEXEL_BYTES;
 use crate::fit::Shape;
 use crate::job::Job;
-use crate::methods::SolverParams;
-use crate::resolution::{Bound, MapParams, Measure, QualityParams, SIZE_MAX};
+use crate::methods::{Method, SolverParams};
+use crate::resolution::{Bound, MapParams, Measure, QualityParams, SIZE_MAX, TEXELS_MAX};
 use crate::samples::SamplingParams;
 use crate::shot::{Temporal, TemporalParams};
 
@@ -68,6 +68,24 @@ pub(super) fn map(map: &MapParams) -> Result<(), Problem> {
         require(clamp > 0.0 && clamp.is_finite(), "map.bias.clamp", clamp, "a finite number above 0")?;
     }
     Ok(())
+}
+
+/// That the smallest maps a light may get fit the memory set aside for them.
+pub(super) fn texels(map: &MapParams, solver: &SolverParams) -> Result<(), Problem> {
+    let maps = match solver.method {
+        Method::Adaptive | Method::Edges => solver.tiles,
+        Method::Partitioned => solver.maps,
+        Method::Cascades => solver.cascade_count,
+        _ => 2,
+    };
+    // A light among the geometry has as many for each face of a cube.
+    let maps = 6 * u64::from(maps);
+    let least = u64::from(map.min).pow(2) * maps;
+    if least <= TEXELS_MAX {
+        return Ok(());
+    }
+    let message = format!("{maps} maps of {} x {} texels are more than {TEXELS_MAX}", map.min, map.min);
+    Err(problem("map.min", message, "lower it, or allow fewer maps"))
 }
 
 pub(super) fn sampling(sampling: &SamplingParams) -> Result<(), Problem> {

@@ -2,14 +2,16 @@
 //!
 //! Bounds are checked before anything is allocated, so that the memory taken is proportional to the bytes of the file.
 
-use super::buffers::Buffers;
+use super::buffers::{Allowance, Buffers};
 use super::document::{Accessor, Document, entry, malformed};
 use crate::scene::SceneError;
+use crate::scene::beside::Reach;
 use std::path::Path;
 
 /// Most elements of an accessor without a buffer view. It is all zeros but for its sparse entries, and nothing but the
-/// number in the JSON bounds its memory: 2^24 elements are 400 MB of positions.
-const MAX_ELEMENTS_WITHOUT_BYTES: u64 = 1 << 24;
+/// number in the JSON bounds its memory; so it may have some, and more in a file that has bytes: such accessors are
+/// displacements of vertices whose positions take 6 bytes each, or less when compressed.
+const ELEMENTS_WITHOUT_BYTES: Allowance = Allowance { free: 1 << 12, per_byte: 16 };
 
 /// A document with its bytes.
 #[derive(Clone, Copy)]
@@ -20,6 +22,8 @@ pub(super) struct Source<'a> {
     pub document: &'a Document,
     /// Loaded.
     pub buffers: &'a Buffers,
+    /// Which files the document may name.
+    pub reach: Reach,
 }
 
 /// How one component is stored.
@@ -97,8 +101,12 @@ impl<'a> Source<'a> {
                 let bytes = self.view_bytes::<N>(&place, view, accessor.byte_offset, component, accessor.count)?;
                 decode_all(bytes, component, accessor.normalized)
             }
-            None if accessor.count > MAX_ELEMENTS_WITHOUT_BYTES => {
-                let problem = format!("counts {} elements but has no bufferView", accessor.count);
+            None if accessor.count > self.buffers.allows(ELEMENTS_WITHOUT_BYTES) => {
+                let (count, most) = (accessor.count, self.buffers.allows(ELEMENTS_WITHOUT_BYTES));
+                let problem = format!(
+                    "counts {count} elements but has no bufferView, and the buffers of this file are too small for \
+                     more than {most} of them"
+                );
                 return Err(self.fail(&place, problem));
             }
             None => vec![[0.0; N]; accessor.count as usize],
