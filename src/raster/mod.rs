@@ -28,7 +28,7 @@ mod view;
 use glam::DMat4;
 use rayon::prelude::*;
 
-use crate::scene::Geometry;
+use crate::scene::{Geometry, Room};
 use bins::Bins;
 use view::View;
 
@@ -175,7 +175,7 @@ impl Canvas {
                 self.bins.resize_with(batch.len(), Bins::default);
             }
             let bins = &mut self.bins[..batch.len()];
-            batch.par_iter().zip(bins.par_iter_mut()).for_each_init(Vec::new, |room, (run, bins)| {
+            batch.par_iter().zip(bins.par_iter_mut()).for_each_init(Room::default, |room, (run, bins)| {
                 let beside = run.instance_bounds().is_some_and(|corners| clip::box_is_outside(&view, corners));
                 let triangles = if beside { &[] } else { run.triangles(room) };
                 kernel::set_up_chunk(&view, run.first, triangles, &whole, bins);

@@ -135,7 +135,7 @@ pub(super) fn place_part(
         out.instances.extend(instance);
         return Ok(dropped);
     }
-    let placed: Vec<_> = state.vertices(mesh).into_iter().map(|v| (v - origin).as_vec3()).collect();
+    let placed = state.vertices(mesh, |v| (v - origin).as_vec3());
     if !placed.iter().all(|v| v.is_finite()) {
         let problem = "a vertex overflows; check the scales above it, its joints and its morph weights";
         return Err(rig.node(part).pose_error(problem, time_s));

@@ -5,7 +5,7 @@ use super::instance::{Instance, SharedMesh};
 use super::marks::{Mark, Marks};
 use super::mask::{Cutout, Mask};
 use super::{Scene, SceneFrame, Triangle};
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use std::ops::Range;
 
 /// The triangles of one frame. A triangle's index counts through still ones and moving ones.
@@ -189,24 +189,47 @@ enum Of<'a> {
     Instance(&'a Instance, &'a SharedMesh, Range<usize>),
 }
 
+/// Where the triangles of instances are placed, run after run.
+#[derive(Debug, Default)]
+pub struct Room {
+    vertices: Vec<Vec3>,
+    triangles: Vec<Triangle>,
+}
+
+/// Vertices between the first and the last that a run uses are placed all at once, where they are no more than so many a
+/// triangle: each serves six triangles or so.
+const VERTICES_A_TRIANGLE: usize = 2;
+
 impl<'a> Run<'a> {
     /// The triangles; `room` is where those of instances are placed.
-    pub fn triangles<'b>(&self, room: &'b mut Vec<Triangle>) -> &'b [Triangle]
+    pub fn triangles<'b>(&self, room: &'b mut Room) -> &'b [Triangle]
     where
         'a: 'b,
     {
-        match &self.of {
-            Of::List(triangles) => triangles,
-            Of::Instance(instance, mesh, range) => {
-                room.clear();
-                room.extend(range.clone().map(|k| instance.triangle(mesh, k)));
-                room
-            }
+        let (instance, mesh, range) = match &self.of {
+            Of::List(triangles) => return triangles,
+            Of::Instance(instance, mesh, range) => (instance, mesh, range),
+        };
+        let triangles = &mesh.triangles[range.clone()];
+        let used = triangles.as_flattened().iter().map(|&vertex| vertex as usize);
+        let (low, high) = used.fold((usize::MAX, 0), |(low, high), vertex| (low.min(vertex), high.max(vertex)));
+        room.triangles.clear();
+        if low > high || high - low >= VERTICES_A_TRIANGLE * triangles.len() {
+            room.triangles.extend(range.clone().map(|k| instance.triangle(mesh, k)));
+            return &room.triangles;
         }
+        room.vertices.clear();
+        room.vertices.extend(mesh.vertices[low..=high].iter().map(|vertex| instance.place(*vertex)));
+        let placed = |vertex: u32| room.vertices[vertex as usize - low];
+        room.triangles.extend(triangles.iter().map(|&[a, b, c]| match instance.mirrored {
+            true => [a, c, b].map(placed),
+            false => [a, b, c].map(placed),
+        }));
+        &room.triangles
     }
 
     /// The box of the instance that the run is of, scene space, metres.
-    pub fn instance_bounds(&self) -> Option<[glam::Vec3; 2]> {
+    pub fn instance_bounds(&self) -> Option<[Vec3; 2]> {
         match &self.of {
             Of::List(_) => None,
             Of::Instance(instance, ..) => Some(instance.bounds),

@@ -16,7 +16,7 @@ use rayon::prelude::*;
 
 /// Triangles that sharing a still mesh must save before it is done: a shared triangle costs no memory of its own, but is
 /// transformed whenever a ray looks at it (measured in `benches/README.md`).
-const SAVED_MIN: u64 = 1 << 18;
+const SAVED_MIN: u64 = 1 << 20;
 
 /// Triangles of one mesh that must move rigidly before it is shared: sorting fewer anew every frame costs less than
 /// slower rays (measured in `benches/README.md`).

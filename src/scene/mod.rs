@@ -44,7 +44,7 @@ pub use camera::{Camera, Film, Projection};
 pub use error::SceneError;
 pub use file::{LengthUnit, SceneFile, UpAxis};
 pub use frames::{FrameTime, parse_range};
-pub use geometry::{Geometry, Run};
+pub use geometry::{Geometry, Room, Run};
 pub use instance::{Instance, SharedMesh};
 pub use light::{Light, LightKind};
 pub use marks::{Mark, Marks};

@@ -7,7 +7,7 @@
 
 use crate::math::{LightSpace, convex_hull};
 use crate::methods::Region;
-use crate::scene::{Geometry, Light};
+use crate::scene::{Geometry, Light, Room};
 use glam::{DVec2, DVec3};
 use sha2::{Digest, Sha256};
 
@@ -28,7 +28,7 @@ impl Content {
     pub fn of(geometry: Geometry<'_>, reaches: impl Fn(&[DVec3; 3]) -> bool) -> Content {
         let mut hasher = Sha256::new();
         let mut any = false;
-        let mut room = Vec::new();
+        let mut room = Room::default();
         for run in geometry.moving_runs(RUN) {
             for triangle in run.triangles(&mut room) {
                 if reaches(&triangle.map(|v| v.as_dvec3())) {
