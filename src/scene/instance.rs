@@ -20,7 +20,7 @@ const SAVED_MIN: u64 = 1 << 20;
 
 /// Triangles of one mesh that must move rigidly before it is shared: sorting fewer anew every frame costs less than
 /// slower rays (measured in `benches/README.md`).
-const MOVING_MIN: u64 = 1 << 16;
+const MOVING_MIN: u64 = 1 << 18;
 
 /// Smallest mesh worth sharing: placing it takes about the memory of four triangles.
 const MESH_MIN: u64 = 16;

@@ -18,6 +18,7 @@ pub(super) fn split(kept: &mut [u32], triangles: &[Triangle]) -> Vec<Range<usize
     split_into(kept, triangles, PIECE, 0)
 }
 
+#[expect(clippy::single_range_in_vec_init, reason = "one piece is one range")]
 fn split_into(kept: &mut [u32], triangles: &[Triangle], most: usize, first: usize) -> Vec<Range<usize>> {
     if kept.len() <= most {
         return vec![first..first + kept.len()];

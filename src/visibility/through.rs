@@ -114,7 +114,6 @@ impl MeshRay {
 }
 
 #[inline(always)]
-#[expect(clippy::too_many_arguments, reason = "the inner loop of `first`, with its state")]
 fn into_mesh<L: Lanes, const ANY: bool>(
     placed: &Placed,
     tree: &SharedTree,
