@@ -21,6 +21,7 @@ use super::values::values;
 Examples:
   lixel plan shot.toml -o shot.plan.json
   lixel plan scene.glb --camera Main --frames 1-240x2 --preset draft
+  lixel plan shot.toml --budget 8M -o shot.plan.json
   lixel plan shot.toml --format toml | less
 
 Exit codes: 0 every bound met, 1 failure, 2 bad input, 3 plan written with a bound not met, 130/143 stopped.")]
@@ -87,7 +88,11 @@ fn summary(plan: &Plan) -> String {
         text += &format!(", {} drawn, {} changes", s.texels_drawn, s.changes);
         text += &s.flicker.map(|f| format!(", {f} pixels flicker")).unwrap_or_default();
     }
+    if let Some(budget) = &plan.budget {
+        text += &format!(", {} resident, {} pixels wrong", budget.texels_resident, budget.misclassified);
+    }
     text += &match failed.len() {
+        0 if plan.budget.is_some() => ": within the budget".to_owned(),
         0 => ": every light meets its bound".to_owned(),
         n => format!(": {n} of {} lights do not meet their bound", lights().count()),
     };

@@ -31,6 +31,7 @@ impl Bar {
             Stage::Load => "loading",
             Stage::Samples => "frames",
             Stage::Flicker => "flicker",
+            Stage::Budget => "budget",
             Stage::Lights => "lights",
         });
         self.bar.set_length(progress.total);

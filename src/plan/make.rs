@@ -6,7 +6,7 @@ use std::time::Instant;
 use super::light_entry::light_entry;
 use super::stage::Stages;
 use super::{
-    FramePlan, LightPlan, Plan, PlanCamera, PlanError, PlannedJob, Stage, Timings, Watch, across, hash_inputs,
+    FramePlan, LightPlan, Plan, PlanCamera, PlanError, PlannedJob, Stage, Timings, Watch, across, budget, hash_inputs,
     relative_path, whole_shot,
 };
 use crate::job::{Job, LoadedJob};
@@ -42,19 +42,22 @@ pub fn make(loaded: &LoadedJob, plan_dir: &Path, timings: bool, watch: &Watch) -
     let shot = load_shot(loaded)?;
     let load_s = begin.elapsed().as_secs_f64();
     watch.step(Stage::Load, 1, LOAD_STEPS)?;
-    let solver = loaded.job.solver.in_scene_space(shot.scene.origin);
-    let job = &Job { solver, ..loaded.job.clone() };
+    let job = &in_scene_space(&loaded.job, &shot);
     for note in &shot.scene.notes {
         watch.note(note);
+    }
+    if job.lookup.is_temporal()
+        && let Some(gap) = shot.frames.windows(2).find(|w| w[1].frame != w[0].frame + 1)
+    {
+        return Err(PlanError::NotConsecutive { before: gap[0].frame, after: gap[1].frame });
     }
     let stages = Stages::new(&shot, job);
     let sort_s = begin.elapsed().as_secs_f64() - load_s;
     watch.step(Stage::Load, LOAD_STEPS, LOAD_STEPS)?;
-    let mode = if shot.frames.len() > 1 { job.shot.temporal } else { Temporal::PerFrame };
-    let mut frames = match mode {
-        Temporal::PerFrame => per_frame(&stages, timings, watch)?,
-        _ => whole_shot::plan(&stages, timings, watch)?,
-    };
+    let mut frames = planned(&stages, timings, watch)?;
+    if job.budget.is_given() {
+        budget::within(&stages, &mut frames, watch)?;
+    }
     if shot.frames.len() > 1 {
         across::complete(&stages, &mut frames, watch)?;
     }
@@ -71,6 +74,20 @@ pub fn make(loaded: &LoadedJob, plan_dir: &Path, timings: bool, watch: &Watch) -
         plan.timings = Some(Timings { load_s, sort_s, total_s, load_share: load_s / total_s });
     }
     Ok(plan)
+}
+
+/// A job whose settings in world space are in that of a shot's scene.
+pub(super) fn in_scene_space(job: &Job, shot: &Shot) -> Job {
+    Job { solver: job.solver.in_scene_space(shot.scene.origin), ..job.clone() }
+}
+
+/// The frames of a shot, planned by epsilon.
+pub(super) fn planned(stages: &Stages, timings: bool, watch: &Watch) -> Result<Vec<FramePlan>, PlanError> {
+    let mode = if stages.len() > 1 { stages.job.shot.temporal } else { Temporal::PerFrame };
+    match mode {
+        Temporal::PerFrame => per_frame(stages, timings, watch),
+        _ => whole_shot::plan(stages, timings, watch),
+    }
 }
 
 /// Each frame for itself.

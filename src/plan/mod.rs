@@ -1,6 +1,7 @@
 //! The plan: the versioned result of planning a shot, its JSON and TOML files, and checking one later.
 
 mod across;
+mod budget;
 mod conventions;
 mod domain;
 mod error;
@@ -13,6 +14,7 @@ mod map_entry;
 mod read;
 mod remeasure;
 mod render;
+mod reproject;
 mod stage;
 mod types;
 mod verify;
@@ -20,13 +22,14 @@ mod watch;
 mod whole_shot;
 mod write;
 
+pub use budget::{BudgetCurves, BudgetPoint, LightCurve, LightPoint, PlanPoint, budget_curves};
 pub use conventions::Conventions;
 pub use error::PlanError;
 pub use inputs::{Input, hash_inputs, relative_path, sha256_hex};
 pub(crate) use make::load_shot;
 pub use make::make;
 pub use read::{parse, read};
-pub use render::render;
+pub use render::{render, strip};
 pub use types::*;
 pub use verify::{InputCheck, LightCheck, Outcome, Verification, verify};
 pub use watch::{Progress, Stage, Watch};
