@@ -166,8 +166,8 @@ fn with_and_without_masks(file: &Path, work: &Path) -> [usize; 3] {
     let shot = load_shot(&loaded).unwrap();
     let frame = shot.scene.frame(planned.time_s).unwrap();
     let geometry = shot.scene.geometry(&frame);
-    let (still, moving) = (Bvh::build(geometry.still), Bvh::build(geometry.moving));
-    let tracer = Tracer::new(geometry, &still, Some(&moving));
+    let (still, moving) = (Bvh::still(&shot.scene), Bvh::moving(&shot.scene, &frame));
+    let tracer = Tracer::new(geometry, &still, moving.as_ref());
     let view = see(&tracer, &frame.camera, shot.film);
     let offset = RayOffset::for_scene(&tracer);
     let receivers = Receivers::classify(&tracer, &view, &frame.camera, &frame.lights[0], offset);

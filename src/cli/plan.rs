@@ -96,6 +96,15 @@ fn summary(plan: &Plan) -> String {
         0 => ": every light meets its bound".to_owned(),
         n => format!(": {n} of {} lights do not meet their bound", lights().count()),
     };
+    if let Some(t) = &plan.timings {
+        text += &format!(
+            "\nloading {:.2} s and sorting {:.2} s of {:.2} s ({:.0} % loading)",
+            t.load_s,
+            t.sort_s,
+            t.total_s,
+            100.0 * t.load_share
+        );
+    }
     for (frame, light) in failed.iter().take(LISTED) {
         let reason = light.reason.as_deref().unwrap_or("no reason given");
         text += &format!("\n  frame {frame}, {}: {reason}", light.light);

@@ -58,9 +58,9 @@ pub fn reproject(before: &Moment, now: &Moment, view: &View) -> Vec<Option<Earli
             return None;
         }
         let position = view.surface(now.tracer, now.camera, pixel)?.position;
-        let still = (index as usize) < then.still.len();
+        let still = (index as usize) < then.still_len();
         // A triangle that has lost its area in one of the frames shifts the numbers of those after it.
-        if !still && then.moving.len() != today.moving.len() {
+        if !still && then.moving_len() != today.moving_len() {
             return None;
         }
         let moved = !still && then.triangle(index) != today.triangle(index);

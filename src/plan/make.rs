@@ -1,11 +1,12 @@
 //! From a job to a plan: the stages in order, frame by frame.
 
 use std::path::Path;
+use std::time::Instant;
 
 use super::light_entry::light_entry;
 use super::stage::Stages;
 use super::{
-    FramePlan, LightPlan, Plan, PlanCamera, PlanError, PlannedJob, Stage, Watch, across, budget, hash_inputs,
+    FramePlan, LightPlan, Plan, PlanCamera, PlanError, PlannedJob, Stage, Timings, Watch, across, budget, hash_inputs,
     relative_path, whole_shot,
 };
 use crate::job::{Job, LoadedJob};
@@ -29,13 +30,19 @@ pub(crate) fn load_shot(job: &LoadedJob) -> Result<Shot, PlanError> {
     Ok(scene::load(&params)?)
 }
 
+/// Loading, then sorting.
+const LOAD_STEPS: u64 = 2;
+
 /// Plans a shot. Paths in the plan are relative to `plan_dir`; `timings` puts wall times into the plan's costs.
 ///
 /// # Errors
 /// [`PlanError::Cancelled`] soon after the watch asks to stop; else what stands in the way.
 pub fn make(loaded: &LoadedJob, plan_dir: &Path, timings: bool, watch: &Watch) -> Result<Plan, PlanError> {
-    watch.step(Stage::Load, 0, 1)?;
+    let begin = Instant::now();
+    watch.step(Stage::Load, 0, LOAD_STEPS)?;
     let shot = load_shot(loaded)?;
+    let load_s = begin.elapsed().as_secs_f64();
+    watch.step(Stage::Load, 1, LOAD_STEPS)?;
     let job = &in_scene_space(&loaded.job, &shot);
     for note in &shot.scene.notes {
         watch.note(note);
@@ -46,7 +53,8 @@ pub fn make(loaded: &LoadedJob, plan_dir: &Path, timings: bool, watch: &Watch) -
         return Err(PlanError::NotConsecutive { before: gap[0].frame, after: gap[1].frame });
     }
     let stages = Stages::new(&shot, job);
-    watch.step(Stage::Load, 1, 1)?;
+    let sort_s = begin.elapsed().as_secs_f64() - load_s;
+    watch.step(Stage::Load, LOAD_STEPS, LOAD_STEPS)?;
     let mut frames = planned(&stages, timings, watch)?;
     if job.budget.is_given() {
         budget::within(&stages, &mut frames, watch)?;
@@ -61,7 +69,12 @@ pub fn make(loaded: &LoadedJob, plan_dir: &Path, timings: bool, watch: &Watch) -
     if !shot.scene.animations.is_empty() {
         resolved.animation = Some(shot.scene.animations.clone());
     }
-    Ok(Plan::new(PlannedJob { job: resolved, inputs }, shot.scene.origin.to_array(), frames))
+    let mut plan = Plan::new(PlannedJob { job: resolved, inputs }, shot.scene.origin.to_array(), frames);
+    if timings {
+        let total_s = begin.elapsed().as_secs_f64();
+        plan.timings = Some(Timings { load_s, sort_s, total_s, load_share: load_s / total_s });
+    }
+    Ok(plan)
 }
 
 /// A job whose settings in world space are in that of a shot's scene.

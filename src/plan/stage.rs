@@ -85,7 +85,7 @@ impl Posed {
     /// When it has no pose then.
     pub(super) fn new(shot: &Shot, time_s: f64) -> Result<Posed, PlanError> {
         let frame = shot.scene.frame(time_s)?;
-        let moving = (!frame.moving.is_empty()).then(|| Bvh::build(&frame.moving));
+        let moving = Bvh::moving(&shot.scene, &frame);
         Ok(Posed { frame, moving })
     }
 
@@ -100,14 +100,12 @@ pub(super) struct Stages<'a> {
     pub(super) shot: &'a Shot,
     pub(super) job: &'a Job,
     pub(super) still: Bvh,
-    still_bounds: Bounds,
 }
 
 impl<'a> Stages<'a> {
     /// Sorts the still triangles.
     pub(super) fn new(shot: &'a Shot, job: &'a Job) -> Stages<'a> {
-        let still_bounds = Bounds::of(shot.scene.still.iter().flatten().map(|v| v.as_dvec3()));
-        Stages { shot, job, still: Bvh::build(&shot.scene.still), still_bounds }
+        Stages { shot, job, still: Bvh::still(&shot.scene) }
     }
 
     /// Number of frames.
@@ -153,7 +151,7 @@ impl<'a> Stages<'a> {
         let (shot, job) = (self.shot, self.job);
         let posed = Posed::new(shot, self.time(frame).time_s)?;
         let (tracer, frame) = (posed.tracer(shot, &self.still), &posed.frame);
-        let bounds = self.still_bounds.union(Bounds::of(frame.moving.iter().flatten().map(|v| v.as_dvec3())));
+        let bounds = tracer.bounds().map_or(Bounds::EMPTY, |[min, max]| Bounds { min, max });
         let positions = Grid::new(shot.film, job.sampling.grid);
         let view = measures(job).then(|| see(&tracer, &frame.camera, shot.film));
         let own = grid && !(view.is_some() && positions.is_film());

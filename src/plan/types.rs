@@ -34,6 +34,9 @@ pub struct Plan {
     pub origin: [f64; 3],
     /// The whole shot in a few numbers.
     pub summary: Summary,
+    /// Where the time went; only with `--timings`, since it differs from run to run.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub timings: Option<Timings>,
     /// What the job's budget came to; absent without one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub budget: Option<BudgetSummary>,
@@ -50,6 +53,7 @@ impl Plan {
             conventions: Conventions::of(&job.job.lookup),
             origin,
             summary: Summary::of(&frames),
+            timings: None,
             budget: job.budget_of(&frames),
             job,
             frames,
@@ -65,6 +69,19 @@ pub struct PlannedJob {
     pub job: Job,
     /// Every file that was read, with its content hash.
     pub inputs: Vec<Input>,
+}
+
+/// Wall times of a run, seconds.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+pub struct Timings {
+    /// Reading the files and posing what never moves.
+    pub load_s: f64,
+    /// Sorting what never moves for rays.
+    pub sort_s: f64,
+    /// All of it, but for writing the plan.
+    pub total_s: f64,
+    /// `load_s` over `total_s`.
+    pub load_share: f64,
 }
 
 impl PlannedJob {

@@ -121,7 +121,7 @@ pub fn verify(plan: &Plan, plan_dir: &Path, watch: &Watch) -> Result<Verificatio
 
 /// Measures the lights of all frames that the shot has.
 fn measure(plan: &Plan, shot: &Shot, found: &mut Verification, watch: &Watch) -> Result<(), PlanError> {
-    let still = Bvh::build(&shot.scene.still);
+    let still = Bvh::still(&shot.scene);
     let mut across = Across::default();
     let total = plan.frames.iter().map(|f| f.lights.len() as u64).sum();
     for planned in &plan.frames {

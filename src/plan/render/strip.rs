@@ -20,7 +20,7 @@ const FLICKERS: Colour = [255, 32, 32];
 /// As [`super::super::make`].
 pub fn strip(loaded: &LoadedJob, plan: &Plan, most: usize, watch: &Watch) -> Result<Vec<Picture>, PlanError> {
     let shot = load_shot(loaded)?;
-    let still = Bvh::build(&shot.scene.still);
+    let still = Bvh::still(&shot.scene);
     let params = &loaded.job.map;
     let mut before: Option<Before> = None;
     let mut pictures = Vec::new();

@@ -36,7 +36,7 @@ pub(super) fn find(
                 for (kept, region) in kept.iter_mut().zip(&regions) {
                     kept.extend(JudgedMap::kept(region, stage.tracer, &receivers).extremes());
                 }
-                held.contents.insert(frame, Content::in_maps(&scene.moving, &regions));
+                held.contents.insert(frame, Content::in_maps(stage.tracer.geometry(), &regions));
                 Ok(true)
             })?;
             if !found {

@@ -4,7 +4,7 @@ use super::super::light_entry::no_map_needed;
 use super::super::stage::{FrameStage, Stages};
 use super::super::{LightPlan, PlanError, Stage, Watch};
 use crate::job::Job;
-use crate::scene::{Camera, Light, Triangle};
+use crate::scene::{Camera, Light};
 use crate::shot::{LightPart, LightParts, light_part};
 
 /// What is kept of a shot.
@@ -25,7 +25,7 @@ pub(super) fn sample(stages: &Stages, watch: &Watch) -> Result<Sampled, PlanErro
             by_light.resize_with(frame.lights.len(), Vec::new);
             for (parts, light) in by_light.iter_mut().zip(&frame.lights) {
                 watch.check()?;
-                parts.push(part(stage, light, stages.job, &frame.moving));
+                parts.push(part(stage, light, stages.job));
             }
             cameras.push(frame.camera.clone());
             Ok(())
@@ -36,9 +36,10 @@ pub(super) fn sample(stages: &Stages, watch: &Watch) -> Result<Sampled, PlanErro
 }
 
 /// One light of one frame.
-fn part(stage: &FrameStage, light: &Light, job: &Job, moving: &[Triangle]) -> LightPart {
+fn part(stage: &FrameStage, light: &Light, job: &Job) -> LightPart {
     let lit = stage.look(light, job);
-    let mut part = light_part(light, stage.camera, &lit.samples, lit.film.as_ref(), job.map.outside, moving);
+    let mut part =
+        light_part(light, stage.camera, &lit.samples, lit.film.as_ref(), job.map.outside, stage.tracer.geometry());
     part.rays = stage.rays_share + lit.rays;
     part
 }

@@ -6,6 +6,7 @@ use super::buffers::{Allowance, Buffers};
 use super::document::{Accessor, Document, entry, malformed};
 use crate::scene::SceneError;
 use crate::scene::beside::Reach;
+use rayon::prelude::*;
 use std::path::Path;
 
 /// Most elements of an accessor without a buffer view. It is all zeros but for its sparse entries, and nothing but the
@@ -93,13 +94,13 @@ impl<'a> Source<'a> {
             }
             let count = decoded.bytes.len() / element;
             let all = Strided { bytes: &decoded.bytes, element, stride: element, count };
-            return Ok(decode_all(all, decoded.component, accessor.normalized));
+            return Ok(decode_all(all, |value| value, decoded.component, accessor.normalized));
         }
         let component = self.component(&place, accessor.component_type)?;
         let mut values = match accessor.buffer_view {
             Some(view) => {
                 let bytes = self.view_bytes::<N>(&place, view, accessor.byte_offset, component, accessor.count)?;
-                decode_all(bytes, component, accessor.normalized)
+                decode_all(bytes, |value| value, component, accessor.normalized)
             }
             None if accessor.count > self.buffers.allows(ELEMENTS_WITHOUT_BYTES) => {
                 let (count, most) = (accessor.count, self.buffers.allows(ELEMENTS_WITHOUT_BYTES));
@@ -125,6 +126,12 @@ impl<'a> Source<'a> {
         self.index_component(&place, accessor.component_type)?;
         if accessor.normalized {
             return Err(self.fail(&place, "holds indices, which cannot be normalized"));
+        }
+        let plain = accessor.sparse.is_none() && accessor.kind == "SCALAR" && !self.buffers.draco.contains_key(&index);
+        if let Some(view) = accessor.buffer_view.filter(|_| plain) {
+            let component = self.component(&place, accessor.component_type)?;
+            let bytes = self.view_bytes::<1>(&place, view, accessor.byte_offset, component, accessor.count)?;
+            return Ok(decode_all::<1, _>(bytes, |[value]| value as u32, component, false));
         }
         // Exact: the values are unsigned integers of at most 32 bits.
         Ok(self.read::<1>(index, "SCALAR")?.into_iter().map(|[value]| value as u32).collect())
@@ -159,8 +166,9 @@ impl<'a> Source<'a> {
         let value_bytes =
             self.view_bytes::<N>(place, sparse.values.buffer_view, sparse.values.byte_offset, component, sparse.count)?;
         let count = values.len();
-        let targets = decode_all::<1>(index_bytes, index_type, false);
-        for ([target], value) in targets.into_iter().zip(decode_all(value_bytes, component, accessor.normalized)) {
+        let targets = decode_all::<1, _>(index_bytes, |value| value, index_type, false);
+        let given = decode_all(value_bytes, |value| value, component, accessor.normalized);
+        for ([target], value) in targets.into_iter().zip(given) {
             let slot = values
                 .get_mut(target as usize)
                 .ok_or_else(|| self.fail(place, format!("sparse index {target} lies beyond its {count} elements")))?;
@@ -234,12 +242,22 @@ struct Strided<'a> {
     count: usize,
 }
 
-/// All elements; their bytes have been bounds checked.
-fn decode_all<const N: usize>(from: Strided<'_>, component: Component, normalized: bool) -> Vec<[f64; N]> {
-    (0..from.count)
-        .map(|k| {
-            let element = &from.bytes[k * from.stride..k * from.stride + from.element];
-            std::array::from_fn(|c| component.decode(&element[c * component.bytes()..], normalized))
-        })
-        .collect()
+/// Elements decoded by one task, at least.
+const ELEMENTS_A_TASK: usize = 16_384;
+
+/// All elements, in the form wanted; their bytes have been bounds checked.
+fn decode_all<const N: usize, T: Send>(
+    from: Strided<'_>,
+    wanted: impl Fn([f64; N]) -> T + Sync,
+    component: Component,
+    normalized: bool,
+) -> Vec<T> {
+    let one = |k: usize| {
+        let element = &from.bytes[k * from.stride..k * from.stride + from.element];
+        wanted(std::array::from_fn(|c| component.decode(&element[c * component.bytes()..], normalized)))
+    };
+    if from.count < 2 * ELEMENTS_A_TASK {
+        return (0..from.count).map(one).collect();
+    }
+    (0..from.count).into_par_iter().with_min_len(ELEMENTS_A_TASK).map(one).collect()
 }
