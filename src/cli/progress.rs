@@ -26,6 +26,7 @@ impl Bar {
             Stage::Samples => "frames",
             Stage::Flicker => "flicker",
             Stage::Lights => "lights",
+            Stage::Points => "points",
         });
         self.bar.set_length(progress.total);
         self.bar.set_position(progress.done);

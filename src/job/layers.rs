@@ -33,7 +33,7 @@ impl Preset {
 /// Lays `upper` over `lower`. Tables merge key by key, everything else is replaced. Two exceptions keep meanings whole:
 /// * `camera` is replaced as one: its keys are alternatives, and a name laid over a pose must not keep the pose;
 /// * an `upper` that changes `quality.bound` drops a `lower` epsilon, which has the other bound's unit.
-pub(super) fn lay_over(lower: &mut Table, upper: &Table) {
+pub(crate) fn lay_over(lower: &mut Table, upper: &Table) {
     let bound = |job: &Table| job.get("quality").and_then(|q| q.get("bound")).cloned();
     let default_bound = || Value::try_from(Bound::default()).ok();
     if bound(upper).is_some_and(|b| Some(b) != bound(lower).or_else(default_bound))

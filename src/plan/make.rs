@@ -33,22 +33,53 @@ pub(crate) fn load_shot(job: &LoadedJob) -> Result<Shot, PlanError> {
 /// # Errors
 /// [`PlanError::Cancelled`] soon after the watch asks to stop; else what stands in the way.
 pub fn make(loaded: &LoadedJob, plan_dir: &Path, timings: bool, watch: &Watch) -> Result<Plan, PlanError> {
+    open(loaded, watch, |stages| planned(loaded, stages, plan_dir, timings, watch))
+}
+
+/// Reads the files of a job, sets the stages of its frames and hands them over.
+///
+/// # Errors
+/// When files cannot be read or used; and those of `work`.
+pub(crate) fn open<R>(
+    loaded: &LoadedJob,
+    watch: &Watch,
+    work: impl FnOnce(&Stages) -> Result<R, PlanError>,
+) -> Result<R, PlanError> {
     watch.step(Stage::Load, 0, 1)?;
     let shot = load_shot(loaded)?;
-    let solver = loaded.job.solver.in_scene_space(shot.scene.origin);
-    let job = &Job { solver, ..loaded.job.clone() };
     for note in &shot.scene.notes {
         watch.note(note);
     }
-    let stages = Stages::new(&shot, job);
+    let job = in_scene_space(&loaded.job, &shot);
+    let stages = Stages::new(&shot, &job);
     watch.step(Stage::Load, 1, 1)?;
+    work(&stages)
+}
+
+/// A job's settings for a scene's own zero.
+pub(crate) fn in_scene_space(job: &Job, shot: &Shot) -> Job {
+    Job { solver: job.solver.in_scene_space(shot.scene.origin), ..job.clone() }
+}
+
+/// Plans a shot on stages that were set for it.
+///
+/// # Errors
+/// As [`make`].
+pub(crate) fn planned(
+    loaded: &LoadedJob,
+    stages: &Stages,
+    plan_dir: &Path,
+    timings: bool,
+    watch: &Watch,
+) -> Result<Plan, PlanError> {
+    let (shot, job) = (stages.shot, stages.job);
     let mode = if shot.frames.len() > 1 { job.shot.temporal } else { Temporal::PerFrame };
     let mut frames = match mode {
-        Temporal::PerFrame => per_frame(&stages, timings, watch)?,
-        _ => whole_shot::plan(&stages, timings, watch)?,
+        Temporal::PerFrame => per_frame(stages, timings, watch)?,
+        _ => whole_shot::plan(stages, timings, watch)?,
     };
     if shot.frames.len() > 1 {
-        across::complete(&stages, &mut frames, watch)?;
+        across::complete(stages, &mut frames, watch)?;
     }
     let inputs = hash_inputs(&shot.scene.inputs, plan_dir)?;
     let mut resolved = loaded.job.clone();

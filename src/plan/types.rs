@@ -2,6 +2,7 @@
 
 mod light;
 mod map;
+mod operating;
 mod temporal;
 
 use schemars::JsonSchema;
@@ -12,6 +13,7 @@ use crate::job::Job;
 
 pub use light::{Cost, LightError, LightPlan, Measured, Predicted, SolverReport, Status, Tried};
 pub use map::{CubeFace, Domain, Frustum, LightCamera, LightProjection, MapBias, MapPlan, Witness};
+pub use operating::{Operating, TimeModel};
 pub use temporal::{Flicker, LightTemporal};
 
 /// Four rows of four, applied to column vectors.
@@ -28,6 +30,9 @@ pub struct Plan {
     pub conventions: Conventions,
     /// The job as resolved from all layers.
     pub job: PlannedJob,
+    /// How the settings were chosen, where a time budget chose them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub operating: Option<Operating>,
     /// World position, metres, that all positions and matrices are relative to.
     pub origin: [f64; 3],
     /// The whole shot in a few numbers.
@@ -44,6 +49,7 @@ impl Plan {
             lixel: env!("CARGO_PKG_VERSION").to_owned(),
             conventions: Conventions::default(),
             job,
+            operating: None,
             origin,
             summary: Summary::of(&frames),
             frames,

@@ -15,6 +15,8 @@ pub enum Stage {
     Lights,
     /// Comparing the frames of a planned shot with the ones before them; counted in frames.
     Flicker,
+    /// Timing settings of the planner; counted in runs.
+    Points,
 }
 
 /// How far a stage is.

@@ -3,7 +3,7 @@
 use super::bias::{default_bias, measured_bias};
 use super::fitted::{predict, predicted_bound};
 use super::judge::Judge;
-use super::{Bound, FilmQuestion, FittedLight, Probe, SizeGrid, smallest};
+use super::{Bound, FilmQuestion, FittedLight, Measure, Probe, SizeGrid, grown, smallest};
 use crate::measure::{Drawn, UNCERTAIN_SLACK, Verdict};
 use crate::methods::Prediction;
 use crate::raster::{Bias, RasterError};
@@ -42,13 +42,25 @@ pub struct Certified {
     pub tried: Vec<Trial>,
 }
 
-/// Chooses by measurement.
+/// Chooses by measurement: the smallest size, or with [`Measure::Check`] the predicted one if it meets.
 pub fn certify(question: &FilmQuestion, fitted: &FittedLight, judge: &mut Judge) -> Result<Certified, RasterError> {
     let grid = grid_of(question, fitted);
-    let (bias, mut at_guess) = measured_bias(question, fitted, judge, &grid)?;
     let guess = grid.at_least(fitted.texels);
+    let checks = question.quality.measure == Measure::Check;
+    if checks {
+        let bias = default_bias(&question.map.bias);
+        let sizes = grid.sizes(guess).to_vec();
+        let drawn = judge.draw(&sizes, bias)?;
+        let wrong = judge.wrong(&drawn);
+        let (probe, trial) = trial(question, judge, (&drawn, &wrong), sizes);
+        if probe.meets {
+            let tried = vec![(guess, trial, wrong)];
+            return certified(question, fitted, judge, (&grid, Some(guess)), bias, tried);
+        }
+    }
+    let (bias, mut at_guess) = measured_bias(question, fitted, judge, &grid)?;
     let mut tried: Vec<(usize, Trial, Vec<u32>)> = Vec::new();
-    let found = smallest(grid.len(), guess, question.map.step, |index| {
+    let mut probe = |index: usize| {
         let sizes = grid.sizes(index).to_vec();
         let known = if index == guess && question.quality.bound != Bound::Footprint { at_guess.take() } else { None };
         let (drawn, wrong) = match known {
@@ -62,7 +74,21 @@ pub fn certify(question: &FilmQuestion, fitted: &FittedLight, judge: &mut Judge)
         let (probe, trial) = trial(question, judge, (&drawn, &wrong), sizes);
         tried.push((index, trial, wrong));
         Ok::<_, RasterError>(probe)
-    })?;
+    };
+    let (count, step) = (grid.len(), question.map.step);
+    let found = if checks { grown(count, guess, step, &mut probe)? } else { smallest(count, guess, step, &mut probe)? };
+    certified(question, fitted, judge, (&grid, found), bias, tried)
+}
+
+/// The certificate of the size that was found, of the largest when none was.
+fn certified(
+    question: &FilmQuestion,
+    fitted: &FittedLight,
+    judge: &mut Judge,
+    (grid, found): (&SizeGrid, Option<usize>),
+    bias: Bias,
+    tried: Vec<(usize, Trial, Vec<u32>)>,
+) -> Result<Certified, RasterError> {
     let index = found.unwrap_or(grid.len() - 1);
     let sizes = grid.sizes(index).to_vec();
     let (chosen, self_shadow) = match tried.iter().find(|(i, ..)| *i == index) {

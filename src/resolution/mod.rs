@@ -18,6 +18,6 @@ pub use fitted::{
 pub use judge::{Judge, JudgedMap};
 pub use params::{AspectRule, BiasParams, Bound, MapParams, Measure, QualityParams, SIZE_MAX, SingleSided};
 pub use polish::polish;
-pub use search::{Probe, smallest};
+pub use search::{Probe, grown, smallest};
 pub use shares::shares;
 pub use sizes::SizeGrid;
