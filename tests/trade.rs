@@ -9,7 +9,7 @@ use std::sync::atomic::AtomicBool;
 
 use lixel::compare::random_hemisphere;
 use lixel::job::{LoadedJob, Preset};
-use lixel::plan::{TimeModel, Watch, explain, parse};
+use lixel::plan::{Format, TimeModel, Watch, explain, parse};
 use lixel::resolution::Measure;
 use lixel::trade::{
     Budget, Model, Point, Trade, TradeError, TradeParams, json, plan_within, plot, points, table, trade,
@@ -111,8 +111,8 @@ fn a_budget_chooses_settings_and_the_plan_says_so() {
     assert_eq!((operating.point.as_str(), operating.model), (last.name.as_str(), TimeModel::Table));
     assert!(operating.deterministic && operating.within);
     assert_eq!(plan.job.job, LoadedJob { job: plan.job.job.clone(), ..job() }.with(&last.settings).unwrap().job);
-    let text = lixel::plan::to_text(&plan, lixel::plan::Format::Json).unwrap();
-    assert_eq!(parse(&text, Path::new("plan.json")).unwrap(), plan);
+    let text = lixel::plan::to_text(&plan, Format::Json).unwrap();
+    assert_eq!(parse(&text, Format::Json, Path::new("plan.json")).unwrap(), plan);
 
     let least = within(&Budget { seconds: 1e-9, model: None, measure: None }).unwrap();
     let operating = least.operating.clone().unwrap();

@@ -15,7 +15,7 @@ pub enum Preset {
     /// Every size measured; the search stops within a thousandth of its optimum.
     #[default]
     Standard,
-    /// Finer samples, a global search, finer steps of size.
+    /// A search that states its gap, and three times the rounds of choosing by measurement.
     Thorough,
 }
 

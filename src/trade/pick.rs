@@ -68,7 +68,7 @@ mod tests {
         assert_eq!(run(0.11, [0.2; 6]), (4, vec![0, 4]));
         assert_eq!(run(0.11, [20.0; 6]), (0, vec![0]));
         // The points that measure are slower here than the first one promises.
-        assert_eq!(run(0.11, [1.0, 1.0, 1.0, 3.0, 3.0, 3.0]), (1, vec![0, 3, 1]));
+        assert_eq!(run(0.11, [1.0, 1.0, 1.0, 3.0, 3.0, 3.0]), (2, vec![0, 3, 1, 2]));
         // And here faster.
         assert_eq!(run(0.11, [1.0, 1.0, 0.1, 0.1, 0.1, 0.1]), (4, vec![0, 3, 4]));
     }

@@ -79,8 +79,8 @@ pub(super) fn summarise(
 
 /// Figures of one point, but for the excess of wrong pixels.
 fn result(point: Point, rows: Vec<OfCase>, cases: &[TradeCase], least: u64) -> PointResult {
-    let measures =
-        !point.settings.get("quality").and_then(|q| q.get("measure")).is_some_and(|m| m.as_str() == Some("never"));
+    let measure = point.settings.get("quality").and_then(|q| q.get("measure"));
+    let measures = measure.is_none_or(|m| m.as_str() != Some("never"));
     let mut found = PointResult {
         point,
         seconds: 0.0,
@@ -139,7 +139,8 @@ mod tests {
     fn runs() -> Trade {
         let mut runs = Runs::new(3);
         runs.cases = vec![case(10_000, true), case(40_000, true), case(90_000, false)];
-        let rows: [(f64, [(u64, Option<u64>); 3]); 3] = [
+        type Row = (f64, [(u64, Option<u64>); 3]);
+        let rows: [Row; 3] = [
             (0.01, [(10_000, Some(20_000)), (80_000, Some(50_000)), (90_000, None)]),
             (0.5, [(10_000, Some(10_000)), (40_000, Some(40_000)), (90_000, None)]),
             (1.0, [(10_000, Some(10_000)), (40_000, Some(40_000)), (90_000, None)]),
