@@ -42,8 +42,8 @@ const FACTORS: [Factor; 9] = [
 /// Combinations: what lies between the presets, and cheaper than the cheapest.
 const COMBINED: [(Preset, &[(&str, &str)]); 12] = [
     (Preset::Draft, &[("grid", "64"), ("cap", "512"), ("rounds", "0")]),
-    (Preset::Draft, &[("grid", "256"), ("cap", "2048"), ("rounds", "6")]),
-    (Preset::Draft, &[("grid", "512"), ("cap", "16384"), ("effort", "\"global\""), ("rounds", "6")]),
+    (Preset::Draft, &[("grid", "256"), ("rounds", "2")]),
+    (Preset::Draft, &[("grid", "512"), ("cap", "16384"), ("effort", "\"global\"")]),
     (Preset::Draft, &[("measure", "\"check\""), ("measured", "1")]),
     (Preset::Draft, &[("measure", "\"check\""), ("measured", "2")]),
     (Preset::Draft, &[("measure", "\"always\""), ("measured", "2")]),
@@ -52,7 +52,7 @@ const COMBINED: [(Preset, &[(&str, &str)]); 12] = [
     (Preset::Standard, &[("cap", "2048"), ("effort", "\"local\""), ("rounds", "2"), ("measured", "0")]),
     (Preset::Standard, &[("measured", "1"), ("measure", "\"check\"")]),
     (Preset::Standard, &[("cap", "2048"), ("effort", "\"local\""), ("measured", "6")]),
-    (Preset::Thorough, &[("cap", "16384"), ("effort", "\"global\""), ("rounds", "6")]),
+    (Preset::Thorough, &[("cap", "16384"), ("effort", "\"global\"")]),
 ];
 
 /// The presets, in order of cost.
