@@ -86,7 +86,8 @@ fn settled(file: &Path) -> Result<(LoadedJob, usize, &'static str), SceneError> 
 fn row(name: &str, triangles: usize, how: &str, frame: i64, light: &LightPlan) {
     let sizes: Vec<String> = light.maps.iter().map(|m| format!("{}x{}", m.width, m.height)).collect();
     let error = light.error.as_ref();
-    let predicted = error.map_or("-".to_owned(), |e| format!("{:.0}", e.predicted.misclassified));
+    let predicted =
+        error.and_then(|e| e.predicted.as_ref()).map_or("-".to_owned(), |p| format!("{:.0}", p.misclassified));
     let measured = error
         .and_then(|e| e.measured.as_ref())
         .map_or("-".to_owned(), |m| format!("{}+{}", m.misclassified, m.uncertain));

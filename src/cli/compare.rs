@@ -71,7 +71,9 @@ pub(super) struct CompareArgs {
     /// Folder for a picture of each light and a plot of measured against predicted, made if it is not there
     ///
     /// The pictures have a column for each method; wrong pixels are red (lit instead of in shadow) or blue (in shadow
-    /// instead of lit) at misplaced shadow edges, orange or cyan where the bias is to blame.
+    /// instead of lit) at misplaced shadow edges, orange or cyan where the bias is to blame. With --temporal it is swimming.png:
+    /// a row for each mode and a column for each frame, at most 12, with the shadows that the maps answer; pixels that flicker
+    /// are red.
     #[arg(long, short, value_name = "DIR")]
     output: Option<PathBuf>,
     #[command(flatten)]
@@ -171,11 +173,14 @@ fn temporal(args: &CompareArgs, quiet: bool, signals: &Signals) -> Result<ExitCo
     if let Some(file) = &args.json {
         Dest::File(file.clone()).check()?;
     }
+    if let Some(dir) = &args.output {
+        std::fs::create_dir_all(dir).map_err(|source| PlanError::Write { dest: dir.display().to_string(), source })?;
+    }
     let rows = {
         let bar = Bar::new(quiet);
         let watch =
             Watch { progress: &|p| bar.show(p), cancel: signals.cancel(), notes: &|text| report::remark(quiet, text) };
-        compare_temporal(&job, &modes, &watch)?
+        compare_temporal(&job, &modes, args.output.as_deref(), &watch)?
     };
     if let Some(file) = &args.json {
         write_file(file, temporal_json(&rows)?.as_bytes())?;

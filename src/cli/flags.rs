@@ -8,7 +8,7 @@ use lixel::shot::Temporal;
 use toml::{Table, Value};
 
 use super::exit::Failure;
-use super::values::{integer, size, values};
+use super::values::{budget, integer, size, values};
 
 /// Flags over a job file, or over the defaults of a scene file.
 #[derive(Args)]
@@ -32,6 +32,11 @@ pub(super) struct JobFlags {
     /// The bound: a share of the image's pixels, or pixels
     #[arg(long, value_name = "E", allow_negative_numbers = true)]
     epsilon: Option<f64>,
+    /// Most texels instead of a bound: N drawn over the shot; or KEY=N of [budget], several with commas
+    ///
+    /// Keys are texels_total, texels_per_frame and bytes; N may end in k, M or G (thousands), or in Ki, Mi or Gi (1024s).
+    #[arg(long, value_name = "N", conflicts_with = "epsilon", value_parser = budget)]
+    budget: Option<toml::Table>,
     /// What epsilon bounds
     #[arg(long, value_parser = values::<Bound>())]
     bound: Option<String>,
@@ -54,7 +59,7 @@ pub(super) struct JobFlags {
 
 impl JobFlags {
     /// Every flag: its name, its key, and its value if it was given.
-    fn entries(&self) -> [(&'static str, &'static str, Option<Value>); 12] {
+    fn entries(&self) -> [(&'static str, &'static str, Option<Value>); 13] {
         let one = |values: &[String]| match values {
             [value] => Some(Value::String(value.clone())),
             _ => None,
@@ -68,6 +73,7 @@ impl JobFlags {
             ("--active-scene", "active_scene", text(&self.active_scene)),
             ("--animation", "animation", (!self.animation.is_empty()).then(|| names(&self.animation))),
             ("--epsilon", "quality.epsilon", self.epsilon.map(Value::Float)),
+            ("--budget", "budget", self.budget.clone().map(Value::Table)),
             ("--bound", "quality.bound", text(&self.bound)),
             ("--method", "solver.method", text(&self.method)),
             ("--max-resolution", "map.max", self.max_resolution.map(integer)),

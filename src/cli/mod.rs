@@ -1,5 +1,6 @@
 //! The command line: one file a command. Nothing outside this folder knows clap, progress bars or terminal colours.
 
+mod budget;
 mod compare;
 mod exit;
 mod flags;
@@ -39,12 +40,13 @@ Examples:
   lixel render shot.toml --frame 12 -o frame12
   lixel compare shot.toml --texels 160000
   lixel trade shot.toml --frames 30 --svg trade.svg
+  lixel budget shot.toml --svg curve.svg
 
 Exit codes:
   0    done, every bound met
   1    a run-time failure, or a plan that verify found broken
   2    bad input or usage
-  3    the plan is written, but a light does not meet its bound
+  3    the plan is written, but a light does not meet its bound or a budget is too small
   130  stopped by SIGINT; 143 by SIGTERM";
 
 /// Flags of every command.
@@ -65,6 +67,7 @@ enum Command {
     Render(render::RenderArgs),
     Compare(compare::CompareArgs),
     Trade(trade::TradeArgs),
+    Budget(budget::BudgetArgs),
     Schema(schema::SchemaArgs),
 }
 
@@ -86,6 +89,7 @@ pub(crate) fn run(cli: Cli) -> ExitCode {
         Command::Render(args) => render::run(args, quiet, &signals),
         Command::Compare(args) => compare::run(args, quiet, &signals),
         Command::Trade(args) => trade::run(args, quiet, &signals),
+        Command::Budget(args) => budget::run(args, quiet, &signals),
         Command::Schema(args) => schema::run(args),
     };
     match outcome {

@@ -24,6 +24,7 @@ use super::values::{seconds, values};
 Examples:
   lixel plan shot.toml -o shot.plan.json
   lixel plan scene.glb --camera Main --frames 1-240x2 --preset draft
+  lixel plan shot.toml --budget 8M -o shot.plan.json
   lixel plan shot.toml --format toml | less
   lixel plan shot.toml -o shot.plan.json --explain
   lixel plan shot.toml -o shot.plan.json --time-budget 50ms
@@ -127,9 +128,13 @@ fn summary(plan: &Plan) -> String {
         text += &format!(", {} drawn, {} changes", s.texels_drawn, s.changes);
         text += &s.flicker.map(|f| format!(", {f} pixels flicker")).unwrap_or_default();
     }
+    if let Some(budget) = &plan.budget {
+        text += &format!(", {} resident, {} pixels wrong", budget.texels_resident, budget.misclassified);
+    }
     let predicted = lights().any(|(_, l)| l.error.as_ref().is_some_and(|e| e.measured.is_none()));
     let by = if predicted { " by prediction; nothing was measured" } else { "" };
     text += &match failed.len() {
+        0 if plan.budget.is_some() => ": within the budget".to_owned(),
         0 => format!(": every light meets its bound{by}"),
         n => format!(": {n} of {} lights do not meet their bound{by}", lights().count()),
     };

@@ -25,6 +25,7 @@ impl Bar {
             Stage::Load => "loading",
             Stage::Samples => "frames",
             Stage::Flicker => "flicker",
+            Stage::Budget => "budget",
             Stage::Lights => "lights",
             Stage::Points => "points",
         });

@@ -67,6 +67,39 @@ pub(super) fn seconds(text: &str) -> Result<f64, String> {
     }
 }
 
+/// Limits of `[budget]`: `N`, or `KEY=N` with commas between.
+pub(super) fn budget(text: &str) -> Result<toml::Table, String> {
+    let mut table = toml::Table::new();
+    for part in text.split(',') {
+        let (key, number) = part.split_once('=').unwrap_or(("texels_total", part));
+        if !["texels_total", "texels_per_frame", "bytes"].contains(&key) {
+            return Err(format!("`{key}` is none of texels_total, texels_per_frame and bytes"));
+        }
+        let number =
+            count(number).ok_or_else(|| format!("`{number}` is no number of texels, as in 4000000, 4M or 4Mi"))?;
+        if table.insert(key.to_owned(), toml::Value::Integer(number)).is_some() {
+            return Err(format!("`{key}` is given twice"));
+        }
+    }
+    Ok(table)
+}
+
+/// A whole number with a factor for its ending.
+fn count(text: &str) -> Option<i64> {
+    let digits = text.trim_end_matches(|c: char| c.is_ascii_alphabetic());
+    let factor = match &text[digits.len()..] {
+        "" => 1,
+        "k" => 1000,
+        "M" => 1_000_000,
+        "G" => 1_000_000_000,
+        "Ki" => 1 << 10,
+        "Mi" => 1 << 20,
+        "Gi" => 1 << 30,
+        _ => return None,
+    };
+    digits.parse::<i64>().ok().filter(|n| *n >= 0)?.checked_mul(factor)
+}
+
 /// A TOML value of an unsigned number.
 pub(super) fn integer(number: u32) -> toml::Value {
     toml::Value::Integer(number.into())
@@ -115,6 +148,16 @@ mod tests {
         assert_eq!(seconds("2min"), Ok(120.0));
         for bad in ["50", "ms", "", "-1s", "0ms", "nans", "infs", "1h"] {
             assert!(seconds(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn budgets_are_a_number_or_keys() {
+        let parsed = |text: &str| budget(text).map(|t| t.to_string().replace('\n', " "));
+        assert_eq!(parsed("4M").as_deref(), Ok("texels_total = 4000000 "));
+        assert_eq!(parsed("bytes=3Mi,texels_total=70").as_deref(), Ok("bytes = 3145728 texels_total = 70 "));
+        for bad in ["", "-4", "4x", "texels=4", "4,5", "bytes=", "9223372036854775807k", "1.5M"] {
+            assert!(budget(bad).is_err(), "{bad}");
         }
     }
 

@@ -29,7 +29,8 @@ pub(crate) fn sizes(regions: &[Region], shares: &[f64], texels: f64) -> Vec<[u32
     regions.iter().zip(shares).map(|(region, share)| size(region.aspect, texels * share)).collect()
 }
 
-fn size(aspect: f64, texels: f64) -> [u32; 2] {
+/// The same of one map.
+pub(super) fn size(aspect: f64, texels: f64) -> [u32; 2] {
     let most = f64::from(SIZE_MAX);
     let side = |t: f64| t.clamp(1.0, most);
     // The longer side is rounded: the other one then changes least.

@@ -1,6 +1,6 @@
 //! Ratios, quantiles, intervals, correlation.
 
-use super::prng::Prng;
+use crate::math::Prng;
 
 /// Resamples of the bootstrap: the ends of a 95 % interval then rest on 50 of them each.
 const RESAMPLES: usize = 2000;

@@ -73,7 +73,9 @@ pub fn check(job: &Job) -> Result<(), Problem> {
     settings::map(&job.map)?;
     settings::sampling(&job.sampling)?;
     settings::solver(&job.solver)?;
-    settings::shot(&job.shot, &job.map)
+    settings::shot(&job.shot, &job.map)?;
+    settings::lookup(job)?;
+    settings::budget(job)
 }
 
 /// Checks `[solver]` alone.
@@ -154,6 +156,10 @@ fn light(key: &str, params: &LightParams) -> Result<(), Problem> {
     }
     if let Some(position) = params.position {
         finite(&format!("{key}.position"), &position)?;
+    }
+    if let Some(importance) = params.importance {
+        let allowed = "a finite number of at least 0";
+        require(importance >= 0.0 && importance.is_finite(), &format!("{key}.importance"), importance, allowed)?;
     }
     if let Some(cone) = params.cone {
         require(cone > 0.0 && cone <= 90.0, &format!("{key}.cone"), cone, "above 0 and at most 90 degrees")?;

@@ -20,6 +20,8 @@ use serde::de::value::{MapAccessDeserializer, StrDeserializer};
 use serde::de::{self, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
+use crate::budget::BudgetParams;
+use crate::measure::LookupParams;
 use crate::methods::SolverParams;
 use crate::resolution::{MapParams, QualityParams};
 use crate::samples::SamplingParams;
@@ -66,12 +68,26 @@ pub struct Job {
     pub quality: QualityParams,
     /// What maps may look like.
     pub map: MapParams,
+    /// What a renderer makes of the maps' answers.
+    #[serde(skip_serializing_if = "is_plain")]
+    pub lookup: LookupParams,
     /// How finely shadow edges are looked for.
     pub sampling: SamplingParams,
     /// How matrices are found.
     pub solver: SolverParams,
     /// How the maps of neighbouring frames hang together.
     pub shot: TemporalParams,
+    /// Limits on texels, instead of the bound.
+    #[serde(skip_serializing_if = "is_default")]
+    pub budget: BudgetParams,
+}
+
+fn is_default(budget: &BudgetParams) -> bool {
+    !budget.is_given()
+}
+
+fn is_plain(lookup: &LookupParams) -> bool {
+    *lookup == LookupParams::default()
 }
 
 /// The two ways of writing `scene` and `animation`, for the schema only.

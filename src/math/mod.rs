@@ -6,6 +6,7 @@ mod hull;
 mod light_space;
 mod matrix;
 mod motion;
+mod prng;
 
 pub use bounds::Bounds;
 pub use domain::{Domain, first_holding, row_at};
@@ -13,3 +14,4 @@ pub use hull::{convex_hull, support_subset};
 pub use light_space::{LightSpace, LightSpaceError};
 pub use matrix::{Rows4, apply, det3, matrix_from_rows, rows_of};
 pub use motion::RigidMotion;
+pub use prng::Prng;

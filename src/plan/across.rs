@@ -1,10 +1,12 @@
 //! What holds from frame to frame in a finished plan: which maps are drawn and which are reused, and flicker.
 //!
-//! Flicker is measured from the plan's own matrices, as `verify` does.
+//! Flicker is measured from the plan's own matrices, as `verify` does; where the renderer blends answers over time, what it
+//! shows is too.
 
 use super::remeasure::{Before, Seeing, remeasure};
+use super::reproject::Steps;
 use super::stage::{Posed, Stages, measures};
-use super::{FramePlan, LightTemporal, PlanError, Stage, Watch};
+use super::{FramePlan, LightTemporal, PlanError, Stage, Watch, reproject};
 use crate::visibility::{RayOffset, see};
 use std::sync::Arc;
 
@@ -31,20 +33,36 @@ pub(super) fn complete(stages: &Stages, frames: &mut [FramePlan], watch: &Watch)
         let seeing = Seeing { tracer: &tracer, camera: &frame.camera, view: &view, offset };
         let of_shot = (shot, stages.still.as_ref());
         let earlier = before.as_ref().map(|b| b.earlier(of_shot, &seeing));
-        let mut maps = Vec::with_capacity(planned.lights.len());
+        let (mut maps, mut caches) = (Vec::with_capacity(planned.lights.len()), Vec::new());
+        let steps = Steps {
+            shot,
+            still: &stages.still,
+            job: stages.job,
+            seeing,
+            before: before.as_ref(),
+            earlier: earlier.as_deref(),
+        };
         for entry in &mut planned.lights {
             watch.check()?;
             let Some(light) = frame.lights.iter().find(|l| l.name == entry.light) else { continue };
             let reused = entry.temporal.as_ref().is_some_and(|t| t.reused_from.is_some());
             let same =
                 before.as_ref().filter(|_| reused).and_then(|b| b.maps_of(&entry.light)).filter(|m| !m.is_empty());
-            let measured = remeasure(&seeing, light, &entry.maps, params, same.map(Arc::clone))?;
+            let mut measured = remeasure(&seeing, light, &entry.maps, params, same.map(Arc::clone))?;
+            if stages.job.lookup.is_temporal() {
+                if let Some(smaller) = steps.smaller(stages, light, entry, &measured)? {
+                    (*entry, measured) = smaller;
+                }
+                let (shown, cache) = steps.shown(light, &measured);
+                reproject::enter(entry, shown);
+                caches.push((entry.light.clone(), cache));
+            }
             if let (Some(before), Some(earlier)) = (&before, &earlier) {
                 entry.flicker = before.flicker(of_shot, earlier, &entry.light, &measured, params.outside);
             }
             maps.push((entry.light.clone(), measured.drawn));
         }
-        before = Some(Before { number: planned.frame, posed, offset, maps });
+        before = Some(Before { number: planned.frame, posed, offset, maps, view, caches });
     }
     watch.step(Stage::Flicker, total, total)
 }

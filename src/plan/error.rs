@@ -18,6 +18,17 @@ pub enum PlanError {
     /// A map that cannot be drawn.
     #[error(transparent)]
     Raster(#[from] RasterError),
+    /// Frames that a renderer does not show one after the other.
+    #[error(
+        "lookup.temporal = \"reprojection\" needs consecutive frames, and frame {after} follows frame {before}: plan every \
+         frame of frames.range, or set lookup.temporal = \"none\""
+    )]
+    NotConsecutive {
+        /// A frame, by number.
+        before: i64,
+        /// The next one planned.
+        after: i64,
+    },
     /// The caller asked to stop.
     #[error("interrupted")]
     Cancelled,

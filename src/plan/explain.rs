@@ -70,11 +70,11 @@ fn outcome(light: &LightPlan, job: &Job) -> String {
         }
         (None, Bound::Misclassified) => format!(
             "predicted {relation} epsilon {epsilon} with {:.0} wrong pixels, nothing measured",
-            error.predicted.misclassified
+            error.predicted.as_ref().map_or(0.0, |p| p.misclassified)
         ),
         (None, bound) => {
-            let p = &error.predicted;
-            let value = if bound == Bound::Displacement { p.displacement } else { p.footprint };
+            let p = error.predicted.as_ref();
+            let value = p.and_then(|p| if bound == Bound::Displacement { p.displacement } else { p.footprint });
             format!("predicted {relation} epsilon with {} of {epsilon} pixels, nothing measured", pixels(value))
         }
     }

@@ -6,10 +6,10 @@ use super::{LightError, LightPlan, MapPlan, Measured, PlanError, Predicted, Solv
 use crate::job::Job;
 use crate::math::first_holding;
 use crate::measure::{EDGE_ON_DEGREES, Outside, Receivers};
-use crate::resolution::{Bound, Certified, FittedLight, Judge, JudgedMap, certify, fit_light, polish, predict_only};
+use crate::resolution::{self, Bound, Certified, FittedLight, Judge, JudgedMap, certify, fit_light, predict_only};
 use crate::samples::LightSamples;
-use crate::scene::{Film, Light};
-use crate::visibility::Answer;
+use crate::scene::{Camera, Film, Light};
+use crate::visibility::{Answer, Tracer, View};
 use std::time::Instant;
 
 /// Most visible points kept for bias, witnesses and round trips.
@@ -86,7 +86,7 @@ fn settle(
             return Ok(None);
         }
     };
-    let polishes = choose.is_none();
+    let given = choose.is_some();
     if let Some(choose) = choose {
         fitted = choose(fitted, samples);
     }
@@ -101,10 +101,11 @@ fn settle(
                     return Ok(None);
                 }
             };
-            if polishes {
-                polish(&question, samples, &mut fitted, &mut judge)?;
-            }
-            let certified = certify(&question, &fitted, &mut judge)?;
+            let certified = if given {
+                certify(&question, &fitted, &mut judge)?
+            } else {
+                resolution::choose(&question, samples, &mut fitted, &mut judge)?
+            };
             entry.cost.texels_drawn = judge.texels_drawn;
             entry.cost.triangles_drawn = judge.triangles_drawn;
             (judge.maps, certified)
@@ -227,12 +228,12 @@ pub(super) fn light_error(
         }
     });
     LightError {
-        predicted: Predicted {
+        predicted: Some(Predicted {
             misclassified: certified.predicted.misclassified,
             unsaturated: certified.predicted.unsaturated,
             displacement: of_quantile(Bound::Displacement, certified.predicted_at_quantile),
             footprint: of_quantile(Bound::Footprint, certified.predicted_at_quantile),
-        },
+        }),
         measured,
         tried: certified
             .tried
@@ -240,6 +241,7 @@ pub(super) fn light_error(
             .map(|trial| Tried {
                 width: trial.sizes[0][0],
                 height: trial.sizes[0][1],
+                texels: None,
                 misclassified: trial.verdict.certain.wrong(),
                 uncertain: trial.verdict.uncertain,
                 displacement: of_quantile(Bound::Displacement, trial.at_quantile),
@@ -253,16 +255,7 @@ pub(super) fn light_error(
 /// Visible points of the light, evenly thinned: of the film where it was classified, else of the grid.
 pub(super) fn seen(stage: &FrameStage, answers: &[Answer], film: Option<&Receivers>) -> Vec<Seen> {
     match (film, stage.view) {
-        (Some(film), Some(view)) => {
-            let stride = film.len().div_ceil(SEEN_MAX).max(1);
-            (0..film.len())
-                .step_by(stride)
-                .filter_map(|i| {
-                    let surface = view.surface(stage.tracer, stage.camera, film.pixels[i] as usize)?;
-                    Some(Seen { position: film.positions[i], normal: surface.normal, shadowed: film.shadowed[i] })
-                })
-                .collect()
-        }
+        (Some(film), Some(view)) => seen_on_film(stage.tracer, view, stage.camera, film),
         _ => (0..answers.len())
             .filter(|i| answers[*i] != Answer::Unlit)
             .filter_map(|i| {
@@ -272,4 +265,14 @@ pub(super) fn seen(stage: &FrameStage, answers: &[Answer], film: Option<&Receive
             })
             .collect(),
     }
+}
+
+/// The pixels of a light, evenly thinned.
+pub(super) fn seen_on_film(tracer: &Tracer, view: &View, camera: &Camera, film: &Receivers) -> Vec<Seen> {
+    let stride = film.len().div_ceil(SEEN_MAX).max(1);
+    let point = |i: usize| {
+        let surface = view.surface(tracer, camera, film.pixels[i] as usize)?;
+        Some(Seen { position: film.positions[i], normal: surface.normal, shadowed: film.shadowed[i] })
+    };
+    (0..film.len()).step_by(stride).filter_map(point).collect()
 }

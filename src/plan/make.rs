@@ -5,8 +5,8 @@ use std::path::Path;
 use super::light_entry::light_entry;
 use super::stage::Stages;
 use super::{
-    FramePlan, LightPlan, Plan, PlanCamera, PlanError, PlannedJob, Stage, Watch, across, hash_inputs, relative_path,
-    whole_shot,
+    FramePlan, LightPlan, Plan, PlanCamera, PlanError, PlannedJob, Stage, Watch, across, budget, hash_inputs,
+    relative_path, whole_shot,
 };
 use crate::job::{Job, LoadedJob};
 use crate::math::rows_of;
@@ -33,7 +33,7 @@ pub(crate) fn load_shot(job: &LoadedJob) -> Result<Shot, PlanError> {
 /// # Errors
 /// [`PlanError::Cancelled`] soon after the watch asks to stop; else what stands in the way.
 pub fn make(loaded: &LoadedJob, plan_dir: &Path, timings: bool, watch: &Watch) -> Result<Plan, PlanError> {
-    open(loaded, watch, |stages| planned(loaded, stages, plan_dir, timings, watch))
+    open(loaded, watch, |stages| plan_on(loaded, stages, plan_dir, timings, watch))
 }
 
 /// Reads the files of a job, sets the stages of its frames and hands them over.
@@ -47,25 +47,20 @@ pub(crate) fn open<R>(
 ) -> Result<R, PlanError> {
     watch.step(Stage::Load, 0, 1)?;
     let shot = load_shot(loaded)?;
+    let job = in_scene_space(&loaded.job, &shot);
     for note in &shot.scene.notes {
         watch.note(note);
     }
-    let job = in_scene_space(&loaded.job, &shot);
     let stages = Stages::new(&shot, &job);
     watch.step(Stage::Load, 1, 1)?;
     work(&stages)
-}
-
-/// A job's settings for a scene's own zero.
-pub(crate) fn in_scene_space(job: &Job, shot: &Shot) -> Job {
-    Job { solver: job.solver.in_scene_space(shot.scene.origin), ..job.clone() }
 }
 
 /// Plans a shot on stages that were set for it.
 ///
 /// # Errors
 /// As [`make`].
-pub(crate) fn planned(
+pub(crate) fn plan_on(
     loaded: &LoadedJob,
     stages: &Stages,
     plan_dir: &Path,
@@ -73,11 +68,15 @@ pub(crate) fn planned(
     watch: &Watch,
 ) -> Result<Plan, PlanError> {
     let (shot, job) = (stages.shot, stages.job);
-    let mode = if shot.frames.len() > 1 { job.shot.temporal } else { Temporal::PerFrame };
-    let mut frames = match mode {
-        Temporal::PerFrame => per_frame(stages, timings, watch)?,
-        _ => whole_shot::plan(stages, timings, watch)?,
-    };
+    if job.lookup.is_temporal()
+        && let Some(gap) = shot.frames.windows(2).find(|w| w[1].frame != w[0].frame + 1)
+    {
+        return Err(PlanError::NotConsecutive { before: gap[0].frame, after: gap[1].frame });
+    }
+    let mut frames = planned(stages, timings, watch)?;
+    if job.budget.is_given() {
+        budget::within(stages, &mut frames, watch)?;
+    }
     if shot.frames.len() > 1 {
         across::complete(stages, &mut frames, watch)?;
     }
@@ -89,6 +88,20 @@ pub(crate) fn planned(
         resolved.animation = Some(shot.scene.animations.clone());
     }
     Ok(Plan::new(PlannedJob { job: resolved, inputs }, shot.scene.origin.to_array(), frames))
+}
+
+/// A job whose settings in world space are in that of a shot's scene.
+pub(crate) fn in_scene_space(job: &Job, shot: &Shot) -> Job {
+    Job { solver: job.solver.in_scene_space(shot.scene.origin), ..job.clone() }
+}
+
+/// The frames of a shot, planned by epsilon.
+pub(super) fn planned(stages: &Stages, timings: bool, watch: &Watch) -> Result<Vec<FramePlan>, PlanError> {
+    let mode = if stages.len() > 1 { stages.job.shot.temporal } else { Temporal::PerFrame };
+    match mode {
+        Temporal::PerFrame => per_frame(stages, timings, watch),
+        _ => whole_shot::plan(stages, timings, watch),
+    }
 }
 
 /// Each frame for itself.

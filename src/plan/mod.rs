@@ -1,6 +1,7 @@
 //! The plan: the versioned result of planning a shot, its JSON and TOML files, and checking one later.
 
 mod across;
+mod budget;
 mod conventions;
 mod domain;
 mod error;
@@ -14,6 +15,7 @@ mod map_entry;
 mod read;
 mod remeasure;
 mod render;
+mod reproject;
 mod stage;
 mod types;
 mod verify;
@@ -21,15 +23,16 @@ mod watch;
 mod whole_shot;
 mod write;
 
+pub use budget::{BudgetCurves, BudgetPoint, LightCurve, LightPoint, PlanPoint, budget_curves};
 pub use conventions::Conventions;
 pub use error::PlanError;
 pub use explain::explain;
 pub use inputs::{Input, hash_inputs, relative_path, sha256_hex};
 pub(crate) use light_entry::{Settled, plan_light};
 pub use make::make;
-pub(crate) use make::{in_scene_space, load_shot, open, planned};
+pub(crate) use make::{in_scene_space, load_shot, open, plan_on};
 pub use read::{parse, read};
-pub use render::render;
+pub use render::{render, strip};
 pub(crate) use stage::{FrameStage, Stages};
 pub use types::*;
 pub use verify::{InputCheck, LightCheck, Outcome, Verification, verify};

@@ -6,10 +6,10 @@
 use std::sync::Arc;
 
 use super::stage::Posed;
-use super::{Flicker, MapPlan, domain};
+use super::{Flicker, MapBias, MapPlan, domain};
 use crate::math::matrix_from_rows;
 use crate::measure::{
-    Certainty, Drawn, Earlier, LightThenNow, Moment, Outside, Receivers, Verdict, flicker, reproject, wrong,
+    Cache, Certainty, Drawn, Earlier, LightThenNow, Moment, Outside, Receivers, Verdict, flicker, reproject, wrong,
 };
 use crate::raster::{Bias, Canvas, RasterError};
 use crate::resolution::{MapParams, SingleSided};
@@ -46,6 +46,10 @@ pub(super) struct Before {
     pub(super) offset: RayOffset,
     /// The maps of each light, by name, as drawn.
     pub(super) maps: Vec<(String, Arc<Vec<Drawn>>)>,
+    /// What its camera saw.
+    pub(super) view: View,
+    /// What a renderer that blends answers over time kept of each light, by name; empty for one that does not.
+    pub(super) caches: Vec<(String, Cache)>,
 }
 
 impl Before {
@@ -79,7 +83,7 @@ impl Before {
         reproject(&self.moment(&tracer, shot.film), &moment, now.view)
     }
 
-    fn moment<'a>(&'a self, tracer: &'a Tracer<'a>, film: Film) -> Moment<'a> {
+    pub(super) fn moment<'a>(&'a self, tracer: &'a Tracer<'a>, film: Film) -> Moment<'a> {
         Moment { tracer, camera: &self.posed.frame.camera, film, offset: self.offset }
     }
 }
@@ -98,7 +102,9 @@ pub(super) fn remeasure(
     let drawn = match drawn {
         Some(drawn) => drawn,
         None => Arc::new(
-            maps.iter().map(|map| draw_map(tracer, light, map, params.single_sided)).collect::<Result<Vec<_>, _>>()?,
+            maps.iter()
+                .map(|map| draw_map(tracer, light, map, [map.width, map.height], None, params.single_sided))
+                .collect::<Result<Vec<_>, _>>()?,
         ),
     };
     let wrong = wrong(&receivers, &drawn, params.outside);
@@ -107,13 +113,21 @@ pub(super) fn remeasure(
     Ok(Remeasured { receivers, drawn, wrong, uncertain, verdict })
 }
 
-fn draw_map(tracer: &Tracer, light: &Light, map: &MapPlan, sides: SingleSided) -> Result<Drawn, RasterError> {
+/// Draws a map at a size, with a bias where one is given, else with its own.
+pub(super) fn draw_map(
+    tracer: &Tracer,
+    light: &Light,
+    map: &MapPlan,
+    [width, height]: [u32; 2],
+    bias: Option<Bias>,
+    sides: SingleSided,
+) -> Result<Drawn, RasterError> {
     let clip_from_scene = matrix_from_rows(&map.clip_from_world);
-    let bias =
-        Bias { constant: map.bias.constant, slope: map.bias.slope, clamp: map.bias.clamp.unwrap_or(f64::INFINITY) };
+    let MapBias { constant, slope, clamp, .. } = map.bias;
+    let bias = bias.unwrap_or(Bias { constant, slope, clamp: clamp.unwrap_or(f64::INFINITY) });
     let geometry = tracer.geometry();
     let mut canvas = Canvas::default();
     let keep = |index: u32| sides.draws(geometry, light, index);
-    canvas.draw(geometry, &clip_from_scene, map.width, map.height, bias, keep)?;
+    canvas.draw(geometry, &clip_from_scene, width, height, bias, keep)?;
     Ok(Drawn { domain: domain::read(&map.domain), clip_from_scene, map: canvas.map })
 }

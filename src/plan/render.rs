@@ -4,6 +4,7 @@
 
 mod film;
 mod map;
+mod strip;
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -17,6 +18,7 @@ use crate::samples::{Grid, GridView, LightView, sample_light};
 use crate::scene::{Light, LightParams};
 use crate::visibility::{Bvh, RayOffset, Tracer, see};
 use film::Film;
+pub use strip::strip;
 
 /// Writes what was seen in one frame to a folder, and says which files it wrote. With `light`, only that light is planned
 /// and shown.

@@ -1,5 +1,6 @@
 //! The plan's own types. Their doc comments are the descriptions in the JSON Schema.
 
+mod budget;
 mod light;
 mod map;
 mod operating;
@@ -11,10 +12,11 @@ use serde::{Deserialize, Serialize};
 use super::{Conventions, Input, SCHEMA};
 use crate::job::Job;
 
+pub use budget::{BudgetSummary, LightBudget};
 pub use light::{Cost, LightError, LightPlan, Measured, Predicted, SolverReport, Status, Tried};
 pub use map::{CubeFace, Domain, Frustum, LightCamera, LightProjection, MapBias, MapPlan, Witness};
 pub use operating::{Operating, TimeModel};
-pub use temporal::{Flicker, LightTemporal};
+pub use temporal::{Flicker, LightTemporal, Reprojected};
 
 /// Four rows of four, applied to column vectors.
 pub type Rows = [[f64; 4]; 4];
@@ -37,6 +39,9 @@ pub struct Plan {
     pub origin: [f64; 3],
     /// The whole shot in a few numbers.
     pub summary: Summary,
+    /// What the job's budget came to; absent without one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub budget: Option<BudgetSummary>,
     /// One entry a frame, in the order of the job's range.
     pub frames: Vec<FramePlan>,
 }
@@ -47,11 +52,12 @@ impl Plan {
         Self {
             schema: SCHEMA.to_owned(),
             lixel: env!("CARGO_PKG_VERSION").to_owned(),
-            conventions: Conventions::default(),
-            job,
+            conventions: Conventions::of(&job.job.lookup),
             operating: None,
             origin,
             summary: Summary::of(&frames),
+            budget: job.budget_of(&frames),
+            job,
             frames,
         }
     }
@@ -65,6 +71,14 @@ pub struct PlannedJob {
     pub job: Job,
     /// Every file that was read, with its content hash.
     pub inputs: Vec<Input>,
+}
+
+impl PlannedJob {
+    /// What the job's budget came to in some frames; `None` without one.
+    pub fn budget_of(&self, frames: &[FramePlan]) -> Option<BudgetSummary> {
+        let Job { budget, light, .. } = &self.job;
+        budget.is_given().then(|| BudgetSummary::of(frames, budget, light))
+    }
 }
 
 /// The whole shot in a few numbers.

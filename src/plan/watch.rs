@@ -13,6 +13,8 @@ pub enum Stage {
     Samples,
     /// Planning, measuring or drawing; counted in lights of frames.
     Lights,
+    /// Measuring planned maps at other sizes; counted in lights of frames.
+    Budget,
     /// Comparing the frames of a planned shot with the ones before them; counted in frames.
     Flicker,
     /// Timing settings of the planner; counted in runs.

@@ -219,4 +219,7 @@ pub struct LightParams {
     /// Metres; absent = unlimited.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub range: Option<f64>,
+    /// What one of its wrong pixels counts under a budget, at least 0; absent = 1.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub importance: Option<f64>,
 }

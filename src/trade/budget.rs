@@ -11,7 +11,7 @@ use super::pick::{Picked, by_table, by_timing};
 use super::run::timed;
 use super::{Model, TradeError};
 use crate::job::{Job, LoadedJob};
-use crate::plan::{Operating, Plan, PlanError, Stages, TimeModel, Watch, in_scene_space, open, planned};
+use crate::plan::{Operating, Plan, PlanError, Stages, TimeModel, Watch, in_scene_space, open, plan_on};
 use crate::resolution::Measure;
 
 /// Lights of a frame that are timed, at most.
@@ -63,7 +63,7 @@ pub fn plan_within(
             false => None,
         };
         let Picked { index, seconds: expected } = timed.unwrap_or_else(|| by_table(&seconds, budget.seconds));
-        let mut plan = planned(&jobs[index], &stages.with_job(&in_scene[index]), plan_dir, timings, watch)?;
+        let mut plan = plan_on(&jobs[index], &stages.with_job(&in_scene[index]), plan_dir, timings, watch)?;
         plan.operating = Some(Operating {
             budget_ms: budget.seconds * 1e3,
             point: names[index].clone(),

@@ -2,7 +2,7 @@
 
 use super::sweep::{PRESETS, name};
 use super::{PointResult, Trade};
-use crate::compare::COLOURS;
+use crate::budget::COLOURS;
 use crate::job::Preset;
 
 /// The plotting area and the room around it, SVG units.

@@ -35,7 +35,7 @@ const FACTORS: [Factor; 9] = [
     Factor { name: "method", key: "solver.method", values: &["\"scene-optimal\""] },
     Factor { name: "metric", key: "solver.metric", values: &["\"displacement\"", "\"l2\""] },
     Factor { name: "rounds", key: "solver.rounds", values: &["0", "2", "6", "12"] },
-    Factor { name: "measured", key: "solver.measured_rounds", values: &["0", "1", "2", "4", "6"] },
+    Factor { name: "measured", key: "solver.measured_rounds", values: &["0", "2", "6", "12", "25", "50"] },
     Factor { name: "measure", key: "quality.measure", values: &["\"never\"", "\"check\"", "\"always\""] },
 ];
 
@@ -50,7 +50,7 @@ const COMBINED: [(Preset, &[(&str, &str)]); 12] = [
     (Preset::Standard, &[("cap", "2048"), ("effort", "\"local\""), ("rounds", "2")]),
     (Preset::Standard, &[("cap", "2048"), ("effort", "\"local\""), ("rounds", "2"), ("measured", "1")]),
     (Preset::Standard, &[("cap", "2048"), ("effort", "\"local\""), ("rounds", "2"), ("measured", "0")]),
-    (Preset::Standard, &[("measured", "1"), ("measure", "\"check\"")]),
+    (Preset::Standard, &[("measured", "2"), ("measure", "\"check\"")]),
     (Preset::Standard, &[("cap", "2048"), ("effort", "\"local\""), ("measured", "6")]),
     (Preset::Thorough, &[("cap", "16384"), ("effort", "\"global\"")]),
 ];

@@ -9,8 +9,8 @@ use crate::math::RigidMotion;
 use crate::measure::{Drawn, Receivers};
 use crate::raster::{Bias, RasterError};
 use crate::resolution::{
-    Certified, FilmQuestion, Judge, JudgedMap, Probe, Trial, default_bias, measured_bias, polish, predict,
-    predicted_at_quantile, predicted_texels, smallest, trial,
+    Certified, Drawing, FilmQuestion, Judge, JudgedMap, Probe, Trial, default_bias, measured_bias, polish, predict,
+    predicted_at_quantile, predicted_texels, size_on_grid, smallest, trial,
 };
 use crate::scene::Light;
 use crate::shot::{Asked, LightParts, carry, in_frame, interval_samples};
@@ -91,7 +91,9 @@ fn polished(stages: &Stages, light: &LightParts, held: &mut Held, asked: &Asked)
         let receivers = Receivers::classify(stage.tracer, view, stage.camera, here, stage.offset);
         let question = FilmQuestion { map: asked.map, ..stage.question(here, job) };
         if let Ok(mut judge) = Judge::new(stage.tracer, view, &question, &held.fitted, &receivers, stage.offset) {
-            polish(&question, &samples, &mut held.fitted, &mut judge)?;
+            let size = |aspect: f64, texels: f64| size_on_grid(asked.map, aspect, texels);
+            let drawing = Drawing { size: &size, bias: default_bias(&asked.map.bias) };
+            polish(&question, &samples, &mut held.fitted, &mut judge, &drawing)?;
         }
         Ok(())
     })?;
