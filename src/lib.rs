@@ -31,4 +31,5 @@ pub mod resolution;
 pub mod samples;
 pub mod scene;
 pub mod shot;
+pub mod trade;
 pub mod visibility;

@@ -10,6 +10,7 @@ mod render;
 mod report;
 mod schema;
 mod signals;
+mod trade;
 mod values;
 mod verify;
 
@@ -38,6 +39,7 @@ Examples:
   lixel verify shot.plan.json
   lixel render shot.toml --frame 12 -o frame12
   lixel compare shot.toml --texels 160000
+  lixel trade shot.toml --frames 30 --svg trade.svg
   lixel budget shot.toml --svg curve.svg
 
 Exit codes:
@@ -64,6 +66,7 @@ enum Command {
     Verify(verify::VerifyArgs),
     Render(render::RenderArgs),
     Compare(compare::CompareArgs),
+    Trade(trade::TradeArgs),
     Budget(budget::BudgetArgs),
     Schema(schema::SchemaArgs),
 }
@@ -85,6 +88,7 @@ pub(crate) fn run(cli: Cli) -> ExitCode {
         Command::Verify(args) => verify::run(args, quiet, &signals),
         Command::Render(args) => render::run(args, quiet, &signals),
         Command::Compare(args) => compare::run(args, quiet, &signals),
+        Command::Trade(args) => trade::run(args, quiet, &signals),
         Command::Budget(args) => budget::run(args, quiet, &signals),
         Command::Schema(args) => schema::run(args),
     };

@@ -1,10 +1,13 @@
 //! `lixel plan`.
 
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
-use lixel::plan::{Dest, Format, Plan, Watch};
+use lixel::job::LoadedJob;
+use lixel::plan::{Dest, Format, Operating, Plan, Watch};
+use lixel::trade::{Budget, Model};
 use serde::Deserialize;
 use serde::de::value::StrDeserializer;
 
@@ -13,7 +16,7 @@ use super::flags::JobFlags;
 use super::progress::Bar;
 use super::report;
 use super::signals::Signals;
-use super::values::values;
+use super::values::{seconds, values};
 
 /// Plan the shadow maps of a shot
 #[derive(Args)]
@@ -23,6 +26,8 @@ Examples:
   lixel plan scene.glb --camera Main --frames 1-240x2 --preset draft
   lixel plan shot.toml --budget 8M -o shot.plan.json
   lixel plan shot.toml --format toml | less
+  lixel plan shot.toml -o shot.plan.json --explain
+  lixel plan shot.toml -o shot.plan.json --time-budget 50ms
 
 Exit codes: 0 every bound met, 1 failure, 2 bad input, 3 plan written with a bound not met, 130/143 stopped.")]
 pub(super) struct PlanArgs {
@@ -37,6 +42,21 @@ pub(super) struct PlanArgs {
     /// Put wall times into the plan, which then differs from run to run
     #[arg(long)]
     timings: bool,
+    /// Say for each light in one sentence why it got what it got; on standard output when the plan goes to a file, else on
+    /// standard error
+    #[arg(long)]
+    explain: bool,
+    /// Choose the settings that cost time by a time for each light of each frame, as in 50ms
+    ///
+    /// The settings are those of a point of a measured table, its times corrected by timing a few points on the first frame
+    /// with shadows; they lie over the job's [sampling], [solver], quality.measure and map.step. The plan says which point
+    /// it is. Another run may choose another one, unless --time-model is given. Segments of a shot cost besides.
+    #[arg(long, value_name = "TIME", value_parser = seconds, conflicts_with = "preset")]
+    time_budget: Option<f64>,
+    /// The table of operating points for --time-budget, written by `lixel trade --model`; taken as it stands, so that the plan
+    /// is the same on every run
+    #[arg(long, value_name = "FILE", requires = "time_budget")]
+    time_model: Option<PathBuf>,
     #[command(flatten)]
     job: JobFlags,
 }
@@ -54,15 +74,35 @@ pub(super) fn run(args: &PlanArgs, quiet: bool, signals: &Signals) -> Result<Exi
         let bar = Bar::new(quiet);
         let watch =
             Watch { progress: &|p| bar.show(p), cancel: signals.cancel(), notes: &|text| report::remark(quiet, text) };
-        let plan = lixel::plan::make(&job, plan_dir, args.timings, &watch)?;
+        let plan = match budget(args, &job)? {
+            Some(budget) => lixel::trade::plan_within(&job, &budget, plan_dir, args.timings, &watch)?,
+            None => lixel::plan::make(&job, plan_dir, args.timings, &watch)?,
+        };
         watch.check()?;
         plan
     };
     lixel::plan::write(&plan, &dest, format(args, &dest))?;
+    if args.explain {
+        let text = lixel::plan::explain(&plan);
+        if dest == Dest::Stdout {
+            report::note(text.trim_end());
+        } else {
+            let mut out = std::io::stdout().lock();
+            out.write_all(text.as_bytes()).and_then(|()| out.flush()).map_err(Failure::Stdout)?;
+        }
+    }
     if !quiet {
         report::note(&summary(&plan));
     }
     Ok(ExitCode::from(if plan.summary.met { MET } else { NOT_MET }))
+}
+
+/// The time that planning may take, and what it may be spent by.
+fn budget(args: &PlanArgs, job: &LoadedJob) -> Result<Option<Budget>, Failure> {
+    let Some(seconds) = args.time_budget else { return Ok(None) };
+    let model = args.time_model.as_deref().map(Model::read).transpose()?;
+    let asked = args.job.given().iter().any(|(_, key)| *key == "quality.measure");
+    Ok(Some(Budget { seconds, model, measure: asked.then_some(job.job.quality.measure) }))
 }
 
 fn format(args: &PlanArgs, dest: &Dest) -> Format {
@@ -91,10 +131,12 @@ fn summary(plan: &Plan) -> String {
     if let Some(budget) = &plan.budget {
         text += &format!(", {} resident, {} pixels wrong", budget.texels_resident, budget.misclassified);
     }
+    let predicted = lights().any(|(_, l)| l.error.as_ref().is_some_and(|e| e.measured.is_none()));
+    let by = if predicted { " by prediction; nothing was measured" } else { "" };
     text += &match failed.len() {
         0 if plan.budget.is_some() => ": within the budget".to_owned(),
-        0 => ": every light meets its bound".to_owned(),
-        n => format!(": {n} of {} lights do not meet their bound", lights().count()),
+        0 => format!(": every light meets its bound{by}"),
+        n => format!(": {n} of {} lights do not meet their bound{by}", lights().count()),
     };
     if let Some(t) = &plan.timings {
         text += &format!(
@@ -112,5 +154,17 @@ fn summary(plan: &Plan) -> String {
     if failed.len() > LISTED {
         text += &format!("\n  and {} more", failed.len() - LISTED);
     }
+    if let Some(operating) = &plan.operating {
+        text += &format!("\n{}", chosen(operating));
+    }
     text
+}
+
+/// What a time budget bought.
+fn chosen(o: &Operating) -> String {
+    let expected = format!("{:.3} ms expected of {} ms a frame and light", o.expected_ms, o.budget_ms);
+    let over = if o.within { "" } else { ", the fastest there is" };
+    let clock =
+        if o.deterministic { "" } else { "; chosen by the clock, another run may choose another: see `operating`" };
+    format!("operating point `{}`: {expected}{over}{clock}", o.point)
 }

@@ -33,6 +33,7 @@ impl Bar {
             Stage::Flicker => "flicker",
             Stage::Budget => "budget",
             Stage::Lights => "lights",
+            Stage::Points => "points",
         });
         self.bar.set_length(progress.total);
         self.bar.set_position(progress.done);

@@ -25,7 +25,7 @@ pub(super) fn aspect(question: Question, map: &MapParams) -> Aspect {
 }
 
 /// Width and height of each region's map: its share of the texels at its aspect, never more.
-pub(super) fn sizes(regions: &[Region], shares: &[f64], texels: f64) -> Vec<[u32; 2]> {
+pub(crate) fn sizes(regions: &[Region], shares: &[f64], texels: f64) -> Vec<[u32; 2]> {
     regions.iter().zip(shares).map(|(region, share)| size(region.aspect, texels * share)).collect()
 }
 

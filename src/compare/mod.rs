@@ -27,12 +27,15 @@ mod types;
 mod variant;
 mod workers;
 
+pub(crate) use budget::sizes as sizes_of;
 pub use files::{SCHEMA, csv, json, write_file};
 pub use hemisphere::random_hemisphere;
 pub use params::{BIAS_GRID, BiasChoice, CompareParams, Question, all_methods, name_of};
 pub use run::compare;
 pub use scatter::scatter;
+pub(crate) use statistics::quantile;
 pub use summary::{Correlation, MethodSummary, Ratio, Summary, Worst, summarise};
+pub(crate) use table::grid;
 pub use table::table;
 pub use temporal::{STRIP_FRAMES, TemporalLight, TemporalRow, compare_temporal, temporal_json, temporal_table};
 pub use types::{CaseLight, Comparison, Measured, MethodRows, PerLight, TexelsFor};

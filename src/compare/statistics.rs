@@ -31,7 +31,7 @@ pub(super) fn interval(pairs: &[(f64, f64)]) -> Option<[f64; 2]> {
 }
 
 /// The quantile between order statistics, linear; `None` of nothing.
-pub(super) fn quantile(values: &mut [f64], at: f64) -> Option<f64> {
+pub(crate) fn quantile(values: &mut [f64], at: f64) -> Option<f64> {
     values.sort_unstable_by(f64::total_cmp);
     let place = at * values.len().checked_sub(1)? as f64;
     let (low, part) = (place.floor() as usize, place.fract());

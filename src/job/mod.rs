@@ -31,6 +31,7 @@ use crate::shot::TemporalParams;
 pub use check::{Problem, check, check_solver};
 pub use error::{JobError, Located};
 pub use layers::Preset;
+pub(crate) use layers::lay_over;
 pub use load::{LoadedJob, load};
 
 /// A job file, as written by a user or as resolved from all layers.

@@ -31,7 +31,7 @@ pub(super) fn complete(stages: &Stages, frames: &mut [FramePlan], watch: &Watch)
         let view = see(&tracer, &frame.camera, shot.film);
         let offset = RayOffset::for_scene(&tracer);
         let seeing = Seeing { tracer: &tracer, camera: &frame.camera, view: &view, offset };
-        let of_shot = (shot, &stages.still);
+        let of_shot = (shot, stages.still.as_ref());
         let earlier = before.as_ref().map(|b| b.earlier(of_shot, &seeing));
         let (mut maps, mut caches) = (Vec::with_capacity(planned.lights.len()), Vec::new());
         let steps = Steps {

@@ -16,7 +16,7 @@ use std::time::Instant;
 const SEEN_MAX: usize = 4096;
 
 /// What may replace the regions that were fitted for a frame.
-pub(super) type Choose<'a> = dyn FnMut(FittedLight, &LightSamples) -> FittedLight + 'a;
+pub(crate) type Choose<'a> = dyn FnMut(FittedLight, &LightSamples) -> FittedLight + 'a;
 
 /// Plans one light. `timings` adds wall time; `choose` has the last word on the regions before sizes are measured.
 pub(super) fn light_entry(
@@ -27,15 +27,36 @@ pub(super) fn light_entry(
     choose: Option<&mut Choose>,
 ) -> Result<LightPlan, PlanError> {
     let start = Instant::now();
-    let mut entry = LightPlan::unplanned(light, job.quality.epsilon());
-    let lit = stage.look(light, job);
-    entry.cost.samples = lit.samples.edges.len() as u64;
-    entry.cost.rays = stage.rays_share + lit.rays;
-    settle(stage, light, job, &lit, &mut entry, choose)?;
+    let (mut entry, _) = plan_light(stage, light, job, choose)?;
     if timings {
         entry.cost.milliseconds = Some(start.elapsed().as_secs_f64() * 1e3);
     }
     Ok(entry)
+}
+
+/// What the entry of a light with maps was written from.
+pub(crate) struct Settled {
+    /// Matrices and depth rows.
+    pub(crate) maps: Vec<JudgedMap>,
+    /// The regions, and how the maps share texels.
+    pub(crate) fitted: FittedLight,
+    /// Size and bias.
+    pub(crate) certified: Certified,
+}
+
+/// Plans one light: its entry, and what it was written from where it has maps.
+pub(crate) fn plan_light(
+    stage: &FrameStage,
+    light: &Light,
+    job: &Job,
+    choose: Option<&mut Choose>,
+) -> Result<(LightPlan, Option<Settled>), PlanError> {
+    let mut entry = LightPlan::unplanned(light, job.quality.epsilon());
+    let lit = stage.look(light, job);
+    entry.cost.samples = lit.samples.edges.len() as u64;
+    entry.cost.rays = stage.rays_share + lit.rays;
+    let settled = settle(stage, light, job, &lit, &mut entry, choose)?;
+    Ok((entry, settled))
 }
 
 /// Decides the status and, where maps are needed, plans them.
@@ -46,7 +67,7 @@ fn settle(
     lit: &Lit,
     entry: &mut LightPlan,
     choose: Option<&mut Choose>,
-) -> Result<(), PlanError> {
+) -> Result<Option<Settled>, PlanError> {
     let (samples, film, answers) = (&lit.samples, lit.film.as_ref(), &lit.answers);
     let (facing, shadowed) = match film {
         Some(film) => (film.len() as u64, film.shadowed_count()),
@@ -55,14 +76,14 @@ fn settle(
     let needed = if job.map.outside == Outside::Lit { shadowed } else { facing - shadowed };
     if needed == 0 {
         no_map_needed(entry, facing, job);
-        return Ok(());
+        return Ok(None);
     }
     let question = stage.question(light, job);
     let mut fitted = match fit_light(&question, samples, film) {
         Ok(fitted) => fitted,
         Err(reason) => {
             (entry.status, entry.reason) = (Status::Inapplicable, Some(reason.to_string()));
-            return Ok(());
+            return Ok(None);
         }
     };
     let given = choose.is_some();
@@ -77,7 +98,7 @@ fn settle(
                 Ok(judge) => judge,
                 Err(reason) => {
                     (entry.status, entry.reason) = (Status::Inapplicable, Some(reason.to_string()));
-                    return Ok(());
+                    return Ok(None);
                 }
             };
             let certified = if given {
@@ -96,7 +117,7 @@ fn settle(
                 Ok(maps) => (maps, predict_only(&question, &fitted)),
                 Err(reason) => {
                     (entry.status, entry.reason) = (Status::Inapplicable, Some(reason.to_string()));
-                    return Ok(());
+                    return Ok(None);
                 }
             }
         }
@@ -109,7 +130,7 @@ fn settle(
     entry.solver = Some(solver_report(job, &fitted));
     entry.cost.solver_evaluations = fitted.evaluations;
     entry.error = Some(light_error(job, &certified, stage, film));
-    Ok(())
+    Ok(Some(Settled { maps, fitted, certified }))
 }
 
 /// The entries of a light's maps.

@@ -38,29 +38,64 @@ const LOAD_STEPS: u64 = 2;
 /// # Errors
 /// [`PlanError::Cancelled`] soon after the watch asks to stop; else what stands in the way.
 pub fn make(loaded: &LoadedJob, plan_dir: &Path, timings: bool, watch: &Watch) -> Result<Plan, PlanError> {
+    open(loaded, watch, |stages, opening| plan_on(loaded, stages, plan_dir, timings.then_some(opening), watch))
+}
+
+/// When a job was opened, and what that took.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Opening {
+    begin: Instant,
+    load_s: f64,
+    sort_s: f64,
+}
+
+/// Reads the files of a job, sets the stages of its frames and hands them over.
+///
+/// # Errors
+/// When files cannot be read or used; and those of `work`.
+pub(crate) fn open<R>(
+    loaded: &LoadedJob,
+    watch: &Watch,
+    work: impl FnOnce(&Stages, &Opening) -> Result<R, PlanError>,
+) -> Result<R, PlanError> {
     let begin = Instant::now();
     watch.step(Stage::Load, 0, LOAD_STEPS)?;
     let shot = load_shot(loaded)?;
     let load_s = begin.elapsed().as_secs_f64();
     watch.step(Stage::Load, 1, LOAD_STEPS)?;
-    let job = &in_scene_space(&loaded.job, &shot);
+    let job = in_scene_space(&loaded.job, &shot);
     for note in &shot.scene.notes {
         watch.note(note);
     }
+    let stages = Stages::new(&shot, &job);
+    let sort_s = begin.elapsed().as_secs_f64() - load_s;
+    watch.step(Stage::Load, LOAD_STEPS, LOAD_STEPS)?;
+    work(&stages, &Opening { begin, load_s, sort_s })
+}
+
+/// Plans a shot on stages that were set for it, with wall times where its opening is given.
+///
+/// # Errors
+/// As [`make`].
+pub(crate) fn plan_on(
+    loaded: &LoadedJob,
+    stages: &Stages,
+    plan_dir: &Path,
+    opening: Option<&Opening>,
+    watch: &Watch,
+) -> Result<Plan, PlanError> {
+    let (shot, job) = (stages.shot, stages.job);
     if job.lookup.is_temporal()
         && let Some(gap) = shot.frames.windows(2).find(|w| w[1].frame != w[0].frame + 1)
     {
         return Err(PlanError::NotConsecutive { before: gap[0].frame, after: gap[1].frame });
     }
-    let stages = Stages::new(&shot, job);
-    let sort_s = begin.elapsed().as_secs_f64() - load_s;
-    watch.step(Stage::Load, LOAD_STEPS, LOAD_STEPS)?;
-    let mut frames = planned(&stages, timings, watch)?;
+    let mut frames = planned(stages, opening.is_some(), watch)?;
     if job.budget.is_given() {
-        budget::within(&stages, &mut frames, watch)?;
+        budget::within(stages, &mut frames, watch)?;
     }
     if shot.frames.len() > 1 {
-        across::complete(&stages, &mut frames, watch)?;
+        across::complete(stages, &mut frames, watch)?;
     }
     let inputs = hash_inputs(&shot.scene.inputs, plan_dir)?;
     let mut resolved = loaded.job.clone();
@@ -70,7 +105,7 @@ pub fn make(loaded: &LoadedJob, plan_dir: &Path, timings: bool, watch: &Watch) -
         resolved.animation = Some(shot.scene.animations.clone());
     }
     let mut plan = Plan::new(PlannedJob { job: resolved, inputs }, shot.scene.origin.to_array(), frames);
-    if timings {
+    if let Some(Opening { begin, load_s, sort_s }) = opening.copied() {
         let total_s = begin.elapsed().as_secs_f64();
         plan.timings = Some(Timings { load_s, sort_s, total_s, load_share: load_s / total_s });
     }
@@ -78,7 +113,7 @@ pub fn make(loaded: &LoadedJob, plan_dir: &Path, timings: bool, watch: &Watch) -
 }
 
 /// A job whose settings in world space are in that of a shot's scene.
-pub(super) fn in_scene_space(job: &Job, shot: &Shot) -> Job {
+pub(crate) fn in_scene_space(job: &Job, shot: &Shot) -> Job {
     Job { solver: job.solver.in_scene_space(shot.scene.origin), ..job.clone() }
 }
 

@@ -3,6 +3,7 @@
 mod budget;
 mod light;
 mod map;
+mod operating;
 mod temporal;
 
 use schemars::JsonSchema;
@@ -14,6 +15,7 @@ use crate::job::Job;
 pub use budget::{BudgetSummary, LightBudget};
 pub use light::{Cost, LightError, LightPlan, Measured, Predicted, SolverReport, Status, Tried};
 pub use map::{CubeFace, Domain, Frustum, LightCamera, LightProjection, MapBias, MapPlan, Witness};
+pub use operating::{Operating, TimeModel};
 pub use temporal::{Flicker, LightTemporal, Reprojected};
 
 /// Four rows of four, applied to column vectors.
@@ -30,6 +32,9 @@ pub struct Plan {
     pub conventions: Conventions,
     /// The job as resolved from all layers.
     pub job: PlannedJob,
+    /// How the settings were chosen, where a time budget chose them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub operating: Option<Operating>,
     /// World position, metres, that all positions and matrices are relative to.
     pub origin: [f64; 3],
     /// The whole shot in a few numbers.
@@ -51,6 +56,7 @@ impl Plan {
             schema: SCHEMA.to_owned(),
             lixel: env!("CARGO_PKG_VERSION").to_owned(),
             conventions: Conventions::of(&job.job.lookup),
+            operating: None,
             origin,
             summary: Summary::of(&frames),
             timings: None,

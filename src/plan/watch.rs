@@ -17,6 +17,8 @@ pub enum Stage {
     Budget,
     /// Comparing the frames of a planned shot with the ones before them; counted in frames.
     Flicker,
+    /// Timing settings of the planner; counted in runs.
+    Points,
 }
 
 /// How far a stage is.

@@ -3,7 +3,10 @@
 use super::bias::{default_bias, measured_bias};
 use super::fitted::{predict, predicted_bound};
 use super::judge::Judge;
-use super::{Bound, Drawing, FilmQuestion, FittedLight, Probe, SizeGrid, polish, polishes, size_on_grid, smallest};
+use super::{
+    Bound, Drawing, FilmQuestion, FittedLight, Measure, Probe, SizeGrid, grown, polish, polishes, size_on_grid,
+    smallest,
+};
 use crate::measure::{Drawn, Verdict};
 use crate::methods::Prediction;
 use crate::raster::{Bias, RasterError};
@@ -75,9 +78,19 @@ pub fn choose(
     Ok(first)
 }
 
-/// Chooses bias and size by measurement.
+/// Chooses bias and size by measurement; with [`Measure::Check`] first the predicted size with the default bias.
 pub fn certify(question: &FilmQuestion, fitted: &FittedLight, judge: &mut Judge) -> Result<Certified, RasterError> {
     let grid = grid_of(question, fitted);
+    if question.quality.measure == Measure::Check {
+        let (bias, guess) = (default_bias(&question.map.bias), grid.at_least(fitted.texels));
+        let sizes = grid.sizes(guess).to_vec();
+        let drawn = judge.draw(&sizes, bias)?;
+        let wrong = judge.wrong(&drawn);
+        let (probe, trial) = trial(question, judge, (&drawn, &wrong), sizes);
+        if probe.meets {
+            return certified(question, fitted, judge, (&grid, Some(guess)), bias, vec![(guess, trial, wrong)]);
+        }
+    }
     let (bias, at_guess) = measured_bias(question, fitted, judge, &grid)?;
     smallest_size(question, fitted, judge, bias, at_guess)
 }
@@ -93,7 +106,7 @@ fn smallest_size(
     let grid = grid_of(question, fitted);
     let guess = grid.at_least(fitted.texels);
     let mut tried: Vec<(usize, Trial, Vec<u32>)> = Vec::new();
-    let found = smallest(grid.len(), guess, question.map.step, |index| {
+    let mut probe = |index: usize| {
         let sizes = grid.sizes(index).to_vec();
         let known = if index == guess && question.quality.bound != Bound::Footprint { at_guess.take() } else { None };
         let (drawn, wrong) = match known {
@@ -107,7 +120,24 @@ fn smallest_size(
         let (probe, trial) = trial(question, judge, (&drawn, &wrong), sizes);
         tried.push((index, trial, wrong));
         Ok::<_, RasterError>(probe)
-    })?;
+    };
+    let (count, step) = (grid.len(), question.map.step);
+    let found = match question.quality.measure {
+        Measure::Check => grown(count, guess, step, &mut probe)?,
+        Measure::Always | Measure::Never => smallest(count, guess, step, &mut probe)?,
+    };
+    certified(question, fitted, judge, (&grid, found), bias, tried)
+}
+
+/// The certificate of the size that was found, of the largest when none was.
+fn certified(
+    question: &FilmQuestion,
+    fitted: &FittedLight,
+    judge: &mut Judge,
+    (grid, found): (&SizeGrid, Option<usize>),
+    bias: Bias,
+    tried: Vec<(usize, Trial, Vec<u32>)>,
+) -> Result<Certified, RasterError> {
     let index = found.unwrap_or(grid.len() - 1);
     let sizes = grid.sizes(index).to_vec();
     let (chosen, self_shadow) = match tried.iter().find(|(i, ..)| *i == index) {

@@ -6,7 +6,7 @@ use super::{LightCheck, Outcome, claims, restated, witness};
 use crate::job::Job;
 use crate::math::first_holding;
 use crate::measure::{EDGE_ON_DEGREES, Outside, Verdict, edge_distance, footprint};
-use crate::resolution::{Bound, Measure};
+use crate::resolution::Bound;
 use crate::scene::Light;
 use glam::DVec3;
 
@@ -94,7 +94,7 @@ fn status_faults(entry: &LightPlan, measured: &Remeasured, job: &Job) -> Vec<Str
         faults.push(format!("status {:?} does not go with {} maps", entry.status, entry.maps.len()));
     }
     // Without measuring, the status was decided on the planning grid; the bound alone judges it.
-    if job.quality.measure == Measure::Always {
+    if job.quality.measure.measures() {
         let found = match (receivers.is_empty(), needed) {
             (true, _) => Some(Status::Unlit),
             (false, 0) => Some(Status::NoVisibleShadow),
@@ -120,7 +120,7 @@ fn status_faults(entry: &LightPlan, measured: &Remeasured, job: &Job) -> Vec<Str
 /// Together the domains hold every pixel whose answer is not that of `outside`, where the plan was made knowing the pixels.
 fn domain_fault(measured: &Remeasured, job: &Job) -> Option<String> {
     let Remeasured { receivers, drawn, .. } = measured;
-    if drawn.is_empty() || job.quality.measure != Measure::Always {
+    if drawn.is_empty() || !job.quality.measure.measures() {
         return None;
     }
     let needs = job.map.outside == Outside::Lit;
@@ -134,7 +134,7 @@ fn count_faults(seeing: &Seeing, entry: &LightPlan, now: &Verdict, of_pixels: u6
     let mut faults = Vec::new();
     let Some(error) = &entry.error else { return faults };
     let Some(plan) = &error.measured else {
-        if job.quality.measure == Measure::Always {
+        if job.quality.measure.measures() {
             faults.push("error.measured is missing, and the job measures".to_owned());
         }
         return faults;
