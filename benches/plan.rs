@@ -46,6 +46,7 @@ fn run(input: &Path) -> Result<(), Box<dyn Error>> {
         camera: &loaded.camera(),
         lights: &job.light,
         visibility: &job.visibility,
+        images: None,
     })?;
     let time = shot.frames.first().ok_or("no frame")?;
     let frame = shot.scene.frame(time.time_s)?;

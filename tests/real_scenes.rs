@@ -57,6 +57,7 @@ fn load_shot(loaded: &LoadedJob) -> Result<Shot, SceneError> {
         camera: &loaded.camera(),
         lights: &loaded.job.light,
         visibility: &loaded.job.visibility,
+        images: None,
     })
 }
 

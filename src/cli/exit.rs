@@ -42,7 +42,9 @@ impl Failure {
         ExitCode::from(match self {
             Failure::Job(..) => BAD_INPUT,
             Failure::Plan(error) if error.is_closed_pipe() => MET,
-            Failure::Plan(PlanError::Scene(_)) => BAD_INPUT,
+            Failure::Plan(
+                PlanError::Scene(_) | PlanError::Aov(_) | PlanError::NoGeometry | PlanError::Pattern { .. },
+            ) => BAD_INPUT,
             Failure::Plan(PlanError::Read { .. } | PlanError::Parse { .. } | PlanError::Schema { .. }) => BAD_INPUT,
             Failure::Stdout(error) if error.kind() == io::ErrorKind::BrokenPipe => MET,
             Failure::Setup(_) | Failure::Plan(_) | Failure::Stdout(_) => FAILED,

@@ -10,7 +10,9 @@ use serde::{Deserialize, Serialize};
 use super::{Conventions, Input, SCHEMA};
 use crate::job::Job;
 
-pub use light::{Cost, LightError, LightPlan, Measured, Predicted, SolverReport, Status, Tried};
+pub use light::{
+    Casters, Cost, FromImages, LightError, LightPlan, Measured, MetBy, Predicted, RangeEnd, SolverReport, Status, Tried,
+};
 pub use map::{CubeFace, Domain, Frustum, LightCamera, LightProjection, MapBias, MapPlan, Witness};
 pub use temporal::{Flicker, LightTemporal};
 

@@ -46,9 +46,9 @@ pub use marks::{Mark, Marks};
 pub use mask::{AlphaImage, Cutout, Mask, Wrap};
 pub use params::{
     BlendRule, CameraKey, CameraParams, FramesParams, ImageParams, KeyInterpolation, LightKindName, LightParams,
-    RotationOrder, VisibilityParams,
+    RotationOrder, VisibilityParams, VisibilitySource,
 };
-pub use shot::{Scene, Shot, ShotParams, load};
+pub use shot::{Scene, Shot, ShotParams, ShownByImages, load};
 
 use glam::{DVec3, Vec3};
 

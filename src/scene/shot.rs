@@ -12,8 +12,8 @@ use super::pose::Pose;
 use super::rig::Rig;
 use super::split::{self, Split};
 use super::{
-    CameraParams, Film, FramesParams, Geometry, ImageParams, LightParams, SceneError, SceneFile, SceneFrame, Triangle,
-    VisibilityParams, read,
+    Camera, CameraParams, Film, FramesParams, Geometry, ImageParams, LightParams, SceneError, SceneFile, SceneFrame,
+    Triangle, VisibilityParams, read,
 };
 use glam::{DAffine3, DVec3};
 use std::path::PathBuf;
@@ -44,7 +44,21 @@ pub struct ShotParams<'a> {
     pub lights: &'a [LightParams],
     /// `[visibility]`.
     pub visibility: &'a VisibilityParams,
+    /// What a renderer's images show instead of the scene's triangles.
+    pub images: Option<ShownByImages<'a>>,
 }
+
+/// What is taken from a renderer's images: the scene's triangles are not looked at, only its cameras and lights.
+#[derive(Clone, Copy, Debug)]
+pub struct ShownByImages<'a> {
+    /// World-space cameras of the frames, in their order; empty where the images have none or the job states one.
+    pub cameras: &'a [Camera],
+    /// The files of the images.
+    pub files: &'a [PathBuf],
+}
+
+/// Without triangles, what a camera that the job describes is told of the scene's size, metres.
+const SIZE_UNKNOWN_M: f64 = 10.0;
 
 /// What is to be planned.
 #[derive(Debug)]
@@ -92,6 +106,10 @@ pub struct Scene {
 /// animations or glTF scene, keys that make no sense, transforms that break at some frame of the shot.
 pub fn load(params: &ShotParams<'_>) -> Result<Shot, SceneError> {
     let (mut model, path) = read::all(params)?;
+    if let Some(images) = &params.images {
+        model.parts.clear();
+        model.inputs.extend_from_slice(images.files);
+    }
     let params = &ShotParams { camera: path.as_ref().unwrap_or(params.camera), ..*params };
     let played = clip::play(params.animation, &mut model)?;
     let fps = params.frames.fps.unwrap_or(DEFAULT_FPS);
@@ -102,18 +120,31 @@ pub fn load(params: &ShotParams<'_>) -> Result<Shot, SceneError> {
     let lights = light_source::choose(params.lights, &model)?;
 
     let split = split::split(&model, &frames)?;
-    let origin = bake::origin(&split.bounds);
+    let origin = if split.bounds.is_empty() { DVec3::ZERO } else { bake::origin(&split.bounds) };
     let first_s = frames.first().map_or(0.0, |frame| frame.time_s);
     let Placed { triangles: still, marks: still_marks } = bake_still(&mut model, &split, origin, first_s)?;
     let moving = posed_triangles(Rig::of(&model), &split.moving, &split.first, origin, first_s)?.triangles;
     // Moving parts may have none at the first frame only.
-    if still.is_empty() && split.moving.iter().all(|part| model.meshes[part.mesh].triangles.is_empty()) {
+    let without = still.is_empty() && split.moving.iter().all(|part| model.meshes[part.mesh].triangles.is_empty());
+    if without && params.images.is_none() {
         let files: Vec<String> = params.scene.iter().map(|file| file.path().display().to_string()).collect();
         return Err(SceneError::NoTriangles { files: files.join(", ") });
     }
-    let around = surroundings(&still, &moving, &split.bounds, origin);
+    let around = match params.images {
+        None => surroundings(&still, &moving, &split.bounds, origin),
+        Some(_) => {
+            let (centre, radius) = (DVec3::ZERO, SIZE_UNKNOWN_M / 2.0);
+            Surroundings { centre, radius, reach: radius, diagonal: SIZE_UNKNOWN_M }
+        }
+    };
     let film_of_poses = film(params.image, None)?;
-    let camera = camera_source::choose(params.camera, &model, fps, film_of_poses.aspect(), &around)?;
+    let camera = match params.images.filter(|images| !images.cameras.is_empty()) {
+        Some(images) => {
+            let times = frames.iter().map(|frame| frame.time_s);
+            CameraSource::PerFrame(times.zip(images.cameras.iter().cloned()).collect())
+        }
+        None => camera_source::choose(params.camera, &model, fps, film_of_poses.aspect(), &around)?,
+    };
     let film = film(params.image, camera.aspect())?;
 
     let Model { nodes, mut meshes, skins, instances, masks, inputs, notes, .. } = model;
