@@ -1,7 +1,7 @@
 //! What the pixels of an image see: the depth behind each, the plane of the surface there from its neighbours, and which
 //! neighbours are one surface.
 
-use super::slope::{joined, slope};
+use super::slope::{acceleration, bent, joined, slope};
 use crate::scene::{Camera, Film, Light, Projection};
 use crate::visibility::{Answer, NO_TRIANGLE, Surface};
 use glam::{DVec2, DVec3};
@@ -20,6 +20,8 @@ pub struct SeenFilm {
     normals: Vec<[f32; 3]>,
     /// Those by which a light's side is told: the layer's, where there is one, as it is.
     facing: Option<Vec<[f32; 3]>>,
+    /// How bent its surfaces may be, as a part of their slopes.
+    bent: f64,
     /// For each pixel, whether it is one surface with its right (bit 0) and its lower (bit 1) neighbour.
     joins: Vec<u8>,
 }
@@ -37,7 +39,8 @@ const RIGHT: u8 = 1;
 const DOWN: u8 = 2;
 
 impl SeenFilm {
-    /// Of depths, and of normals in the world where there is a layer of them. Both row by row, one a pixel.
+    /// Of depths, and of normals in the world where there is a layer of them. Both row by row, one a pixel; missing depths
+    /// are background.
     pub fn new(camera: &Camera, film: Film, depths: Depths, layer: Option<Vec<[f32; 3]>>) -> SeenFilm {
         let mut depths_m = match depths {
             Depths::Planar(depths) => depths,
@@ -49,13 +52,23 @@ impl SeenFilm {
                 distances.into_iter().enumerate().map(along).collect()
             }
         };
+        depths_m.resize(film.pixels(), f64::INFINITY);
+        let layer = layer.filter(|layer| layer.len() == film.pixels());
         for depth in &mut depths_m {
             if !(*depth > 0.0 && depth.is_finite()) {
                 *depth = f64::INFINITY;
             }
         }
-        let mut seen =
-            SeenFilm { camera: camera.clone(), film, depths_m, normals: Vec::new(), facing: layer, joins: Vec::new() };
+        let mut seen = SeenFilm {
+            camera: camera.clone(),
+            film,
+            depths_m,
+            normals: Vec::new(),
+            facing: layer,
+            bent: 0.0,
+            joins: Vec::new(),
+        };
+        seen.bent = bent((0..film.pixels()).into_par_iter().filter_map(|pixel| seen.acceleration_at(pixel)).collect());
         seen.joins = (0..film.pixels()).into_par_iter().map(|pixel| seen.joins_of(pixel)).collect();
         seen.normals = (0..film.pixels()).into_par_iter().map(|pixel| seen.normal_of(pixel)).collect();
         seen
@@ -77,11 +90,11 @@ impl SeenFilm {
         }
     }
 
-    /// The step of ρ over one pixel's width of a surface at 45°.
-    fn pixel_step(&self, rho: f64) -> f64 {
+    /// The width of a pixel at a depth, metres; and the step of ρ over that width of a surface at 45°, at a ρ.
+    fn pixel_step(&self, at: f64) -> f64 {
         let height = f64::from(self.film.height);
         match self.camera.projection {
-            Projection::Perspective { yfov_rad } => rho * 2.0 * (0.5 * yfov_rad).tan() / height,
+            Projection::Perspective { yfov_rad } => at * 2.0 * (0.5 * yfov_rad).tan() / height,
             Projection::Orthographic { half_height } => 2.0 * half_height / height,
         }
     }
@@ -91,11 +104,21 @@ impl SeenFilm {
         [(pixel % width) as i64, (pixel / width) as i64]
     }
 
+    /// The larger of the accelerations across and down a pixel.
+    fn acceleration_at(&self, pixel: usize) -> Option<f64> {
+        let [x, y] = self.place(pixel);
+        let width = self.pixel_step(self.rho(x, y));
+        let across = acceleration([-1, 0, 1].map(|k| self.rho(x + k, y)), width);
+        let down = acceleration([-1, 0, 1].map(|k| self.rho(x, y + k)), width);
+        (across.is_finite() && down.is_finite()).then_some(across.max(down))
+    }
+
     fn joins_of(&self, pixel: usize) -> u8 {
         let [x, y] = self.place(pixel);
         let own = self.rho(x, y);
-        let along =
-            |dx: i64, dy: i64| joined([-1, 0, 1, 2].map(|k| self.rho(x + k * dx, y + k * dy)), self.pixel_step(own));
+        let along = |dx: i64, dy: i64| {
+            joined([-1, 0, 1, 2].map(|k| self.rho(x + k * dx, y + k * dy)), self.pixel_step(own), self.bent)
+        };
         u8::from(along(1, 0)) * RIGHT + u8::from(along(0, 1)) * DOWN
     }
 
@@ -116,7 +139,7 @@ impl SeenFilm {
             inside && self.joins[(y * width + x) as usize] & (RIGHT << axis) != 0
         });
         let rho = [-2, -1, 0, 1, 2].map(|k| self.rho(x + k * dx, y + k * dy));
-        slope(rho, joined, self.pixel_step(rho[2]))
+        slope(rho, joined, self.pixel_step(rho[2]), self.bent)
     }
 
     /// The normal of the plane through a pixel and its joined neighbours, or of the layer where there are none.
@@ -129,11 +152,6 @@ impl SeenFilm {
         let [x, y] = centre(self.film, pixel);
         let (_, direction) = self.camera.ray(self.film, x, y);
         let towards_camera = |n: DVec3| (if n.dot(direction) > 0.0 { -n } else { n }).as_vec3().to_array();
-        if std::env::var_os("LX_N").is_some()
-            && let Some(layer) = &self.facing
-        {
-            return towards_camera(DVec3::from(layer[pixel].map(f64::from)));
-        }
         let (Some(by_x), Some(by_y)) = (self.slope_of(pixel, 0), self.slope_of(pixel, 1)) else {
             let layer = self.facing.as_ref().map(|layer| DVec3::from(layer[pixel].map(f64::from)));
             let normal = layer.and_then(DVec3::try_normalize).filter(|n| n.dot(direction) != 0.0);
@@ -146,16 +164,6 @@ impl SeenFilm {
         let tangent = |(origin_by, direction_by): (DVec3, DVec3), dz| origin_by + direction_by * depth + direction * dz;
         let normal = tangent(across, dz[0]).cross(tangent(down, dz[1])).try_normalize();
         normal.map_or(NONE, towards_camera)
-    }
-
-    /// Number of pixels that see something.
-    pub fn seen(&self) -> usize {
-        self.depths_m.iter().filter(|d| d.is_finite()).count()
-    }
-
-    /// Pixels that see something, and of whose surface the plane is not known.
-    pub fn without_plane(&self) -> usize {
-        self.depths_m.iter().zip(&self.normals).filter(|(d, n)| d.is_finite() && n[0].is_nan()).count()
     }
 
     /// The point seen at a pixel's centre, metres.
@@ -206,7 +214,7 @@ impl SeenFilm {
         let (Some(plane), Some(point)) = (self.surface(of), self.position(pixel)) else { return false };
         let ([x, y], [px, py]) = (self.place(of), self.place(pixel));
         let reach = ON_PLANE_PX * ((px - x) as f64).hypot((py - y) as f64);
-        plane.normal.dot(point - plane.position).abs() <= reach * self.pixel_width_m(self.depths_m[of])
+        plane.normal.dot(point - plane.position).abs() <= reach * self.pixel_step(self.depths_m[of])
     }
 
     /// The pixels within a square around one, with the columns and rows they are away.
@@ -225,14 +233,6 @@ impl SeenFilm {
         let inside =
             at.cmpge(DVec2::ZERO).all() && at.x < f64::from(self.film.width) && at.y < f64::from(self.film.height);
         inside.then(|| at.y as usize * self.film.width as usize + at.x as usize)
-    }
-
-    fn pixel_width_m(&self, depth_m: f64) -> f64 {
-        let height = f64::from(self.film.height);
-        match self.camera.projection {
-            Projection::Perspective { yfov_rad } => depth_m * 2.0 * (0.5 * yfov_rad).tan() / height,
-            Projection::Orthographic { half_height } => 2.0 * half_height / height,
-        }
     }
 
     /// What a light does at every pixel. `shadow` is 1 in shadow and 0 lit; it is asked where the surface faces the light,

@@ -25,6 +25,8 @@ pub struct Images {
     pub cameras: Vec<Camera>,
     /// Every file, frame by frame.
     pub files: Vec<PathBuf>,
+    /// Remarks for the user.
+    pub notes: Vec<String>,
 }
 
 /// A frame of the images.
@@ -34,8 +36,6 @@ pub struct ImagesFrame {
     pub film: SeenFilm,
     /// For each light, by name, its shadow layer, 1 in shadow, row by row.
     pub shadows: Vec<(String, Vec<f32>)>,
-    /// Layers that were asked for and have 16 bits only.
-    pub half: Vec<String>,
 }
 
 /// Depths and coordinates from here on, in the file's unit, are a renderer's way of writing "nothing".
@@ -74,6 +74,7 @@ impl Images {
             frames,
             cameras: Vec::new(),
             files: Vec::new(),
+            notes: Vec::new(),
         };
         let mut size = wanted.size.map(|size| (size, "[image] size".to_owned()));
         for frame in images.frames.clone() {
@@ -89,6 +90,12 @@ impl Images {
                     images.files.push(file.path.clone());
                 }
                 images.film = file.film;
+            }
+            let (found, layer) = images.find_surfaces(&files)?;
+            if found.half && images.notes.is_empty() {
+                let path = files[found.file].path.display();
+                let note = format!("{path}: layer \"{layer}\" has 16 bits, too few for slopes: write 32-bit floats");
+                images.notes.push(note);
             }
             if !wanted.own_camera {
                 let camera = images.camera(&files, wanted)?;
@@ -145,33 +152,35 @@ impl Images {
     /// Missing layers and pixels that hold no number.
     pub fn frame(&self, frame: i64, camera: &Camera, lights: &[Light]) -> Result<ImagesFrame, AovError> {
         let files = self.files_of(frame)?;
-        let mut half = Vec::new();
-        let mut note = |found: &Found, layer: &str| {
-            if found.half {
-                half.push(layer.to_owned());
-            }
+        if let Some(file) = files.iter().find(|file| file.film != self.film) {
+            let [found, wanted] = [file.film, self.film].map(|f| [f.width, f.height]);
+            let whose = "the rest of the shot".to_owned();
+            return Err(AovError::Size { path: file.path.clone(), found, whose, wanted });
+        }
+        let (found, layer) = self.find_surfaces(&files)?;
+        let file = &files[found.file];
+        let depths = match &self.params.depth {
+            Some(depth) => self.depths(file, &found, &layer, depth.kind)?,
+            None => self.depths_of_points(file, &found, &layer, camera)?,
         };
-        let depths = match (&self.params.depth, &self.params.position) {
-            (Some(depth), _) => {
-                let found = find(&files, "aov.depth.layer", &depth.layer, 1)?;
-                note(&found, &depth.layer);
-                self.depths(&files[found.file], &found, &depth.layer, depth.kind)?
-            }
-            (None, Some(position)) => {
-                let found = find(&files, "aov.position.layer", &position.layer, 3)?;
-                note(&found, &position.layer);
-                self.depths_of_points(&files[found.file], &found, &position.layer, camera)?
-            }
+        let normals = self.normals(&files, camera)?;
+        let shadow = |light: &Light| Ok((light.name.clone(), self.shadow(&files, light)?));
+        let shadows = lights.iter().map(shadow).collect::<Result<_, AovError>>()?;
+        Ok(ImagesFrame { film: SeenFilm::new(camera, self.film, depths, normals), shadows })
+    }
+
+    /// The layer that says where surfaces are, and its name.
+    fn find_surfaces(&self, files: &[ExrFile]) -> Result<(Found, String), AovError> {
+        let (key, layer, count) = match (&self.params.depth, &self.params.position) {
+            (Some(depth), _) => ("aov.depth.layer", &depth.layer, 1),
+            (None, Some(position)) => ("aov.position.layer", &position.layer, 3),
             (None, None) => {
                 let pattern = self.params.file.first().cloned().unwrap_or_default();
                 let problem = "neither depth nor position is named; add depth = { kind = \"planar\" }".to_owned();
                 return Err(AovError::Frames { pattern, problem });
             }
         };
-        let normals = self.normals(&files, camera)?;
-        let shadow = |light: &Light| Ok((light.name.clone(), self.shadow(&files, light)?));
-        let shadows = lights.iter().map(shadow).collect::<Result<_, AovError>>()?;
-        Ok(ImagesFrame { film: SeenFilm::new(camera, self.film, depths, normals), shadows, half })
+        Ok((find(files, key, layer, count)?, layer.clone()))
     }
 
     fn depths(&self, file: &ExrFile, found: &Found, layer: &str, kind: DepthKind) -> Result<Depths, AovError> {
@@ -253,7 +262,7 @@ impl Images {
     }
 
     /// The name of a light's layer, and the key that says so.
-    pub fn layer_of(&self, light: &str) -> (String, String) {
+    fn layer_of(&self, light: &str) -> (String, String) {
         match self.lights.iter().find(|l| l.name == light).and_then(|l| l.aov.clone()) {
             Some(layer) => (layer, format!("light \"{light}\": aov")),
             None => (self.params.shadow.layer.replace(LIGHT_NAME, light), "aov.shadow.layer".to_owned()),

@@ -23,19 +23,18 @@ impl SeenFilm {
         Grid { film: self.film, columns: self.film.width, rows: self.film.height }
     }
 
-    /// Samples one light, given its shadow layer (1 in shadow) and the answers from it; `cover_lit` as in
+    /// Samples one light, given its shadow layer (1 in shadow) and the answers from it, both of every pixel; `cover_lit` as in
     /// [`crate::samples::sample_light`].
     pub fn sample(&self, light: &Light, shadow: &[f32], answers: &[Answer], cover_lit: bool) -> LightSamples {
+        if [shadow.len(), answers.len()] != [self.film.pixels(); 2] {
+            return LightSamples::default();
+        }
         let changes =
             Changes::find(self.grid(), answers, |shadowed, other| self.crossing(shadow, answers, shadowed, other));
         let asked = |pixel: usize| answers[pixel] != Answer::Unlit;
         let corner = |pixel: usize| (!self.between_its_like(answers, pixel)).then(|| self.position(pixel)).flatten();
         let gradients = Gradients::new(self, shadow, answers);
-        let plain = std::env::var_os("LX_T").is_some();
-        let look = EdgeLook {
-            seen_at: |at| self.surface_at(at, asked),
-            normal_at: |at| if plain { None } else { gradients.normal_at(at) },
-        };
+        let look = EdgeLook { seen_at: |at| self.surface_at(at, asked), normal_at: |at| gradients.normal_at(at) };
         changes.samples(&self.camera, light, &look, corner, cover_lit)
     }
 

@@ -64,8 +64,9 @@ pub fn make(loaded: &LoadedJob, plan_dir: &Path, timings: bool, watch: &Watch) -
     for note in &shot.scene.notes {
         watch.note(note);
     }
-    if images.is_some() {
+    if let Some(images) = &images {
         watch.note(images::NOTE);
+        images.notes.iter().for_each(|note| watch.note(note));
     }
     let stages = Stages::new(&shot, job, images.as_ref());
     watch.step(Stage::Load, 1, 1)?;

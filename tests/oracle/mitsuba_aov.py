@@ -25,6 +25,8 @@ import numpy as np
 
 import scene
 
+mi.set_variant("llvm_ad_rgb")
+
 # What Mitsuba's film averages into a pixel that sees past everything; lixel takes depths from 1e9 on for background.
 BACKGROUND = 1e12
 # Counts may differ by this, sizes by one step of the grid and its rounding to texels.
@@ -155,7 +157,6 @@ def main():
     parse.add_argument("--lixel", default="target/release/lixel")
     parse.add_argument("--keep", help="folder for images, jobs and plans")
     options = parse.parse_args()
-    mi.set_variant("llvm_ad_rgb")
     folder = options.keep or tempfile.mkdtemp()
     os.makedirs(folder, exist_ok=True)
     lixel = os.path.abspath(options.lixel)

@@ -63,6 +63,7 @@ fn light(name: &str, kind: LightKindName, status: Status) -> LightPlan {
         solver: None,
         temporal: None,
         flicker: None,
+        images: None,
         cost: Cost::default(),
     }
 }
