@@ -74,6 +74,8 @@ fn load(path: &Path) -> Result<usize, Box<dyn Error>> {
         camera: &CameraParams { frame_all: true, ..CameraParams::default() },
         lights: &[sun],
         visibility: &VisibilityParams::default(),
+        allow_outside: false,
+        images: None,
     })?;
     let frame = shot.scene.frame(shot.frames[0].time_s)?;
     Ok(shot.scene.geometry(&frame).len())

@@ -47,6 +47,7 @@ fn run(input: &Path) -> Result<(), Box<dyn Error>> {
         lights: &job.light,
         visibility: &job.visibility,
         allow_outside: false,
+        images: None,
     })?;
     let time = shot.frames.first().ok_or("no frame")?;
     let frame = shot.scene.frame(time.time_s)?;

@@ -53,6 +53,7 @@ fn scene(bytes: &[u8], folder: &Path, name: &str) -> Result<(), String> {
             lights: std::slice::from_ref(&sun),
             visibility: &VisibilityParams::default(),
             allow_outside: false,
+            images: None,
         })?;
         shot.frames.iter().try_for_each(|time| shot.scene.frame(time.time_s).map(drop))
     };

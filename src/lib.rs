@@ -15,6 +15,7 @@
 //! * A directional light's `direction` is the way light travels.
 //! * Angles are radians and carry `_rad`, unless a user wrote them (degrees).
 
+pub mod aov;
 pub mod budget;
 pub mod compare;
 pub mod depth;

@@ -58,6 +58,7 @@ fn load_shot(loaded: &LoadedJob) -> Result<Shot, SceneError> {
         lights: &loaded.job.light,
         visibility: &loaded.job.visibility,
         allow_outside: false,
+        images: None,
     })
 }
 

@@ -74,6 +74,7 @@ pub(crate) fn plan(setup: &Setup, tune: impl Fn(&mut Job)) -> Result<Trial, Stri
         lights: &job.light,
         visibility: &job.visibility,
         allow_outside: false,
+        images: None,
     })
     .map_err(|e| e.to_string())?;
     let frame = shot.scene.frame(0.0).map_err(|e| e.to_string())?;

@@ -45,7 +45,13 @@ impl Failure {
         ExitCode::from(match self {
             Failure::Job(..) | Failure::Input(_) => BAD_INPUT,
             Failure::Plan(error) if error.is_closed_pipe() => MET,
-            Failure::Plan(PlanError::Scene(_) | PlanError::NotConsecutive { .. }) => BAD_INPUT,
+            Failure::Plan(
+                PlanError::Scene(_)
+                | PlanError::NotConsecutive { .. }
+                | PlanError::Aov(_)
+                | PlanError::NoGeometry
+                | PlanError::Pattern { .. },
+            ) => BAD_INPUT,
             Failure::Plan(PlanError::Read { .. } | PlanError::Parse { .. } | PlanError::Schema { .. }) => BAD_INPUT,
             Failure::Stdout(error) if error.kind() == io::ErrorKind::BrokenPipe => MET,
             Failure::Setup(_) | Failure::Plan(_) | Failure::Stdout(_) => FAILED,

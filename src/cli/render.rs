@@ -15,8 +15,9 @@ use super::signals::Signals;
 /// Write what was seen in one frame: layered EXR, and PNGs to look at
 #[derive(Args)]
 #[command(after_help = "\
-Example:
+Examples:
   lixel render shot.toml --frame 12 -o frame12
+  lixel render shot.toml --frames 1-90 --aov images/shot.####.exr
 
 NAME below is a light's name; maps of a light with several are numbered.
   shaded.png        all lights with exact shadows
@@ -26,19 +27,25 @@ NAME below is a light's name; maps of a light with several are numbered.
   NAME.map.exr      Z, window depth as stored, top row first
   seen.exr          Z, N, and per light faces, shadow, edge, false_lit, false_shadow, uncertain
 
+With --aov nothing is planned: each frame becomes one EXR with the layers that a renderer writes, Z (along the view axis),
+P, N and shadow_NAME (1 in shadow), and the camera in its header, to be planned from with visibility.source = \"aov\".
+
 Exit codes: 0 done, 1 failure, 2 bad input, 130/143 stopped.")]
 pub(super) struct RenderArgs {
     /// A job file (.toml), or a scene with its camera and lights (.gltf, .glb, .obj)
     input: PathBuf,
     /// Frame number
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
-    frame: i64,
+    #[arg(long, value_name = "N", allow_negative_numbers = true, required_unless_present = "aov")]
+    frame: Option<i64>,
     /// Folder for the pictures, made if it is not there
-    #[arg(long, short, value_name = "DIR")]
-    output: PathBuf,
+    #[arg(long, short, value_name = "DIR", required_unless_present = "aov")]
+    output: Option<PathBuf>,
     /// Plan and show only this light
     #[arg(long, value_name = "NAME")]
     light: Option<String>,
+    /// Write the layers that a renderer would, for all frames of the job; #### stands for the frame number
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["frame", "output", "light"])]
+    aov: Option<PathBuf>,
     #[command(flatten)]
     job: JobFlags,
 }
@@ -50,7 +57,13 @@ pub(super) fn run(args: &RenderArgs, quiet: bool, signals: &Signals) -> Result<E
         let bar = Bar::new(quiet);
         let watch =
             Watch { progress: &|p| bar.show(p), cancel: signals.cancel(), notes: &|text| report::remark(quiet, text) };
-        lixel::plan::render(&job, args.frame, args.light.as_deref(), &args.output, &watch)?
+        match (&args.aov, args.frame, &args.output) {
+            (Some(pattern), ..) => lixel::plan::render_images(&job, pattern, &watch)?,
+            (None, Some(frame), Some(output)) => {
+                lixel::plan::render(&job, frame, args.light.as_deref(), output, &watch)?
+            }
+            _ => return Err(Failure::Setup("give --frame and --output, or --aov".to_owned())),
+        }
     };
     if !quiet {
         for file in files {

@@ -75,8 +75,8 @@ fn table(found: &Verification) -> String {
             // Several maps of a light scale together: the first one's size stands for all.
             &light.sizes.first().map_or("-".to_owned(), |[w, h]| format!("{w}x{h}")),
             &light.planned.map_or("-".to_owned(), |n| n.to_string()),
-            &light.measured.to_string(),
-            &light.uncertain.to_string(),
+            &light.measured.map_or("-".to_owned(), |n| n.to_string()),
+            &light.uncertain.map_or("-".to_owned(), |n| n.to_string()),
             &light.flicker.map_or("-".to_owned(), |n| n.to_string()),
             &light.epsilon.to_string(),
             match light.outcome {
@@ -94,6 +94,10 @@ fn table(found: &Verification) -> String {
     for line in files.chain(found.problems.iter().cloned()).chain(lights) {
         text += &line;
         text.push('\n');
+    }
+    if found.lights.iter().any(|light| light.measured.is_none() && !light.sizes.is_empty()) {
+        text +=
+            "planned from images: cover, depth ranges and witnesses were held against them; nothing could be drawn\n";
     }
     text + if found.passed { "the plan holds\n" } else { "the plan does NOT hold\n" }
 }

@@ -15,9 +15,11 @@ mod bias;
 mod extremes;
 mod kept;
 mod row;
+mod unseen;
 mod visible;
 
 pub use bias::{BiasUnits, CONSTANT_F32, bias_units};
 pub use kept::Kept;
 pub use row::{DepthError, DepthRow, FINER, RowKind, fit_row};
+pub use unseen::Unseen;
 pub use visible::Visible;

@@ -1,6 +1,7 @@
 //! The values a job may have. Types are serde's business; ranges and combinations are checked here.
 
 mod camera;
+mod images;
 mod settings;
 
 use std::collections::BTreeSet;
@@ -8,7 +9,7 @@ use std::collections::BTreeSet;
 use super::{Job, is_scene_file};
 use crate::methods::SolverParams;
 use crate::resolution::SIZE_MAX;
-use crate::scene::{FILM_PIXELS_MAX, LightKindName, LightParams};
+use crate::scene::{FILM_PIXELS_MAX, LightKindName, LightParams, VisibilitySource};
 
 /// A value that a job may not have.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -52,6 +53,7 @@ fn nonzero(key: &str, values: &[f64]) -> Result<(), Problem> {
 /// The first problem, in the order of the job's tables.
 pub fn check(job: &Job) -> Result<(), Problem> {
     scene(job)?;
+    images::check(job)?;
     if let Some(fps) = job.frames.fps {
         require(fps > 0.0 && fps.is_finite(), "frames.fps", fps, "a finite number above 0")?;
     }
@@ -91,7 +93,7 @@ pub fn check_solver(solver: &SolverParams) -> Result<(), Problem> {
 }
 
 fn scene(job: &Job) -> Result<(), Problem> {
-    if job.scene.is_empty() {
+    if job.scene.is_empty() && job.visibility.source == VisibilitySource::Scene {
         return Err(problem("scene", "no scene file is named", "add `scene = \"file.gltf\"` at the top of the job"));
     }
     for (i, file) in job.scene.iter().enumerate() {

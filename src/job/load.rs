@@ -9,7 +9,8 @@ use toml::{Table, Value};
 
 use super::layers::lay_over;
 use super::{Job, JobError, Preset, Problem, check, is_scene_file, locate};
-use crate::scene::{CameraParams, SceneFile};
+use crate::resolution::Measure;
+use crate::scene::{CameraParams, SceneFile, VisibilitySource};
 
 /// Bytes a job file may have: room for a long camera path, and an end to reading a device.
 const JOB_BYTES_MAX: u64 = 16 << 20;
@@ -48,6 +49,11 @@ impl LoadedJob {
         Ok(LoadedJob { job, ..self.clone() })
     }
 
+    /// `[aov] file`, with paths that can be opened.
+    pub fn image_files(&self) -> Vec<PathBuf> {
+        self.job.aov.iter().flat_map(|aov| &aov.file).map(|file| self.dir.join(file)).collect()
+    }
+
     /// `[camera]`, with a path that can be opened.
     pub fn camera(&self) -> CameraParams {
         let camera = self.job.camera.clone();
@@ -76,7 +82,10 @@ pub fn load(input: &Path, overrides: &Table) -> Result<LoadedJob, JobError> {
     // of a list of fixed length.
     toml::from_str::<Job>(&text).map_err(parse_error)?;
     let refused = |problem: Problem| locate::problem(input, &text, problem);
-    let alone = Job::deserialize(own.clone()).map_err(|e| refused(locate::table_problem(&e)))?;
+    let mut alone = Job::deserialize(own.clone()).map_err(|e| refused(locate::table_problem(&e)))?;
+    if alone.visibility.source == VisibilitySource::Aov && !says_measure(&own) {
+        alone.quality.measure = Measure::Never;
+    }
     check(&alone).map_err(refused)?;
     Ok(LoadedJob { job: resolve(&own, overrides)?, file: Some(input.to_owned()), dir })
 }
@@ -93,9 +102,17 @@ fn resolve(own: &Table, overrides: &Table) -> Result<Job, JobError> {
     lay_over(&mut table, own);
     lay_over(&mut table, overrides);
     let mut job = Job::deserialize(table).map_err(fault)?;
+    if job.visibility.source == VisibilitySource::Aov && !says_measure(own) && !says_measure(overrides) {
+        job.quality.measure = Measure::Never;
+    }
     check(&job).map_err(JobError::Override)?;
     job.quality.epsilon = Some(job.quality.epsilon());
     Ok(job)
+}
+
+/// Whether a layer itself states `quality.measure`: presets do, for scenes.
+fn says_measure(layer: &Table) -> bool {
+    layer.get("quality").and_then(|quality| quality.get("measure")).is_some()
 }
 
 fn read_text(path: &Path) -> Result<String, JobError> {

@@ -20,6 +20,7 @@ use serde::de::value::{MapAccessDeserializer, StrDeserializer};
 use serde::de::{self, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
+use crate::aov::AovParams;
 use crate::budget::BudgetParams;
 use crate::measure::LookupParams;
 use crate::methods::SolverParams;
@@ -37,10 +38,10 @@ pub use load::{LoadedJob, load};
 /// A job file, as written by a user or as resolved from all layers.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
-#[schemars(extend("required" = ["scene"]))]
+#[schemars(extend("anyOf" = [{ "required": ["scene"] }, { "required": ["aov"] }]))]
 pub struct Job {
     /// One or several scene files (.gltf, .glb, .obj), relative to the job file: names, or tables with `file`, `transform`,
-    /// `up` and `unit`.
+    /// `up` and `unit`. Not needed where all is in `[aov]`.
     #[serde(deserialize_with = "scene_files")]
     #[schemars(with = "OneOrMany<SceneFile>")]
     pub scene: Vec<SceneFile>,
@@ -67,6 +68,9 @@ pub struct Job {
     pub light: Vec<LightParams>,
     /// What is there to be seen and to cast shadows.
     pub visibility: VisibilityParams,
+    /// A renderer's images, for `visibility.source = "aov"`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub aov: Option<AovParams>,
     /// The bound that maps have to meet.
     pub quality: QualityParams,
     /// What maps may look like.

@@ -2,7 +2,7 @@
 
 use super::{Drawn, Receivers};
 use crate::scene::{Camera, Film};
-use crate::visibility::{Tracer, View};
+use crate::visibility::Surface;
 use glam::{DMat2, DVec2, DVec3};
 use rayon::prelude::*;
 
@@ -10,20 +10,23 @@ use rayon::prelude::*;
 const HALF_STEP_PX: f64 = 1e-3;
 
 /// The root of SOSM's summand ‖J⁻¹‖² (eq. 6), pixels per texel, at the quantile over receivers beside an exact shadow edge;
-/// 0 without edges. Infinite where the map has no texel at all.
+/// 0 without edges. Infinite where the map has no texel at all. `surface` is what a pixel of the film sees.
 pub fn footprint(
-    tracer: &Tracer,
-    view: &View,
+    surface: impl Fn(usize) -> Option<Surface> + Sync,
+    film: Film,
     camera: &Camera,
     receivers: &Receivers,
     maps: &[Drawn],
     quantile: f64,
 ) -> f64 {
-    let beside = beside_edges(receivers, view.film);
+    let beside = beside_edges(receivers, film);
     let mut sizes: Vec<f64> = beside
         .par_iter()
         .with_min_len(1024)
-        .map(|i| at(tracer, view, camera, receivers.pixels[*i] as usize, maps).unwrap_or(f64::INFINITY))
+        .map(|i| {
+            let pixel = receivers.pixels[*i] as usize;
+            surface(pixel).and_then(|s| at(&s, film, camera, pixel, maps)).unwrap_or(f64::INFINITY)
+        })
         .collect();
     sizes.sort_by(f64::total_cmp);
     let rank = (quantile * sizes.len() as f64).ceil() as usize;
@@ -46,11 +49,10 @@ fn beside_edges(receivers: &Receivers, film: Film) -> Vec<usize> {
         .collect()
 }
 
-fn at(tracer: &Tracer, view: &View, camera: &Camera, pixel: usize, maps: &[Drawn]) -> Option<f64> {
-    let surface = view.surface(tracer, camera, pixel)?;
-    let width = view.film.width as usize;
+fn at(surface: &Surface, film: Film, camera: &Camera, pixel: usize, maps: &[Drawn]) -> Option<f64> {
+    let width = film.width as usize;
     let (x, y) = ((pixel % width) as f64 + 0.5, (pixel / width) as f64 + 0.5);
-    let derivatives = surface.film_derivatives(camera, view.film, x, y);
+    let derivatives = surface.film_derivatives(camera, film, x, y);
     let map = maps.iter().find(|m| m.domain.holds(surface.position))?;
     let texel = |p: DVec3| {
         let clip = map.clip_from_scene * p.extend(1.0);

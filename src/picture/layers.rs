@@ -17,6 +17,40 @@ pub struct Channel {
 /// # Errors
 /// A channel of another length or an ambiguous or foreign name; else what the encoder says.
 pub fn write_exr(width: u32, height: u32, channels: Vec<Channel>) -> io::Result<Vec<u8>> {
+    write(width, height, channels, LayerAttributes::default())
+}
+
+/// The camera of an image as a header has it: matrices for row vectors, row by row.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CameraAttributes {
+    /// `worldToCamera`.
+    pub world_to_camera: [f32; 16],
+    /// `worldToNDC`.
+    pub world_to_ndc: [f32; 16],
+    /// `near`, in the unit of the matrices.
+    pub near: f32,
+}
+
+/// The same with a camera in its header.
+///
+/// # Errors
+/// As [`write_exr`].
+pub fn write_exr_of_camera(
+    width: u32,
+    height: u32,
+    channels: Vec<Channel>,
+    camera: &CameraAttributes,
+) -> io::Result<Vec<u8>> {
+    let attributes = LayerAttributes {
+        world_to_camera: Some(camera.world_to_camera),
+        world_to_normalized_device: Some(camera.world_to_ndc),
+        near_clip_plane: Some(camera.near),
+        ..LayerAttributes::default()
+    };
+    write(width, height, channels, attributes)
+}
+
+fn write(width: u32, height: u32, channels: Vec<Channel>, attributes: LayerAttributes) -> io::Result<Vec<u8>> {
     let pixels = width as usize * height as usize;
     let wrong = |c: &Channel| c.values.len() != pixels || c.name.is_empty() || !c.name.is_ascii();
     if let Some(channel) = channels.iter().find(|c| wrong(c)) {
@@ -28,7 +62,7 @@ pub fn write_exr(width: u32, height: u32, channels: Vec<Channel>) -> io::Result<
         .map(|channel| AnyChannel::new(channel.name.as_str(), FlatSamples::F32(channel.values)))
         .collect();
     let size = (width as usize, height as usize);
-    let layer = Layer::new(size, LayerAttributes::default(), Encoding::SMALL_FAST_LOSSLESS, AnyChannels::sort(list));
+    let layer = Layer::new(size, attributes, Encoding::SMALL_FAST_LOSSLESS, AnyChannels::sort(list));
     let mut bytes = Cursor::new(Vec::new());
     Image::from_layer(layer).write().to_buffered(&mut bytes).map_err(|e| io::Error::other(e.to_string()))?;
     Ok(bytes.into_inner())

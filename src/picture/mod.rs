@@ -3,5 +3,5 @@
 mod layers;
 mod raster;
 
-pub use layers::{Channel, write_exr};
+pub use layers::{CameraAttributes, Channel, write_exr, write_exr_of_camera};
 pub use raster::{Colour, Picture, mix, scaled, tiled};

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use thiserror::Error;
 
 use super::SCHEMA;
+use crate::aov::AovError;
 use crate::raster::RasterError;
 use crate::scene::SceneError;
 
@@ -15,6 +16,22 @@ pub enum PlanError {
     /// The files of the job, or what they hold.
     #[error(transparent)]
     Scene(#[from] SceneError),
+    /// A renderer's images, or what they hold.
+    #[error(transparent)]
+    Aov(#[from] AovError),
+    /// Something that takes geometry was asked of a job that is planned from images.
+    #[error(
+        "the job is planned from a renderer's images (visibility.source = \"aov\"): there is no geometry to draw; take a job with source = \"scene\""
+    )]
+    NoGeometry,
+    /// Several frames would overwrite one file.
+    #[error("{}: {frames} frames cannot go into one file; put #### where the frame number goes", pattern.display())]
+    Pattern {
+        /// As given.
+        pattern: PathBuf,
+        /// Frames of the job.
+        frames: usize,
+    },
     /// A map that cannot be drawn.
     #[error(transparent)]
     Raster(#[from] RasterError),

@@ -2,14 +2,16 @@
 
 use super::map_entry::{Chosen, Seen, map_entry};
 use super::stage::{FrameStage, Lit, measures};
-use super::{LightError, LightPlan, MapPlan, Measured, PlanError, Predicted, SolverReport, Status, Tried};
+use super::{FromImages, LightError, LightPlan, MapPlan, Measured, PlanError, Predicted, SolverReport, Status, Tried};
 use crate::job::Job;
 use crate::math::first_holding;
 use crate::measure::{EDGE_ON_DEGREES, Outside, Receivers};
+use crate::methods::Region;
 use crate::resolution::{self, Bound, Certified, FittedLight, Judge, JudgedMap, certify, fit_light, predict_only};
 use crate::samples::LightSamples;
-use crate::scene::{Camera, Film, Light};
-use crate::visibility::{Answer, Tracer, View};
+use crate::scene::{Camera, Film, Light, VisibilitySource};
+use crate::visibility::{Answer, Surface, Tracer, View};
+use glam::DVec3;
 use std::time::Instant;
 
 /// Most visible points kept for bias, witnesses and round trips.
@@ -52,6 +54,7 @@ pub(crate) fn plan_light(
     choose: Option<&mut Choose>,
 ) -> Result<(LightPlan, Option<Settled>), PlanError> {
     let mut entry = LightPlan::unplanned(light, job.quality.epsilon());
+    entry.images = stage.images.map(|_| FromImages::of(light, job));
     let lit = stage.look(light, job);
     entry.cost.samples = lit.samples.edges.len() as u64;
     entry.cost.rays = stage.rays_share + lit.rays;
@@ -111,9 +114,13 @@ fn settle(
             (judge.maps, certified)
         }
         _ => {
-            let receivers: Vec<_> = seen.iter().map(|s| s.position).collect();
+            let receivers: Vec<DVec3> = match film {
+                Some(film) => film.positions.clone(),
+                None => seen.iter().map(|s| s.position).collect(),
+            };
             fitted.drop_unseen(&receivers);
-            match JudgedMap::of_all(&fitted.regions, stage.tracer, &receivers) {
+            let kept = |region: &Region, own: &[DVec3]| stage.kept(region, own, light, job);
+            match JudgedMap::of_all_by(&fitted.regions, &receivers, kept) {
                 Ok(maps) => (maps, predict_only(&question, &fitted)),
                 Err(reason) => {
                     (entry.status, entry.reason) = (Status::Inapplicable, Some(reason.to_string()));
@@ -142,19 +149,24 @@ pub(super) fn map_entries(
     stage: &FrameStage,
     seen: &[Seen],
 ) -> Vec<MapPlan> {
+    let tracer = if stage.images.is_some() { None } else { Some(stage.tracer) };
     let answering = |point| first_holding(maps.iter().map(|m| &m.region.domain), point);
     (0..maps.len())
         .map(|k| {
             let answers = |point| answering(point) == Some(k);
             let chosen = Chosen { method: job.solver.method, size: certified.sizes[k], bias: certified.bias };
-            map_entry(&maps[k], &chosen, light, stage.tracer, seen, answers)
+            map_entry(&maps[k], &chosen, light, tracer, seen, answers)
         })
         .collect()
 }
 
 /// Status and reason of a light that no map has to be looked up for.
 pub(super) fn no_map_needed(entry: &mut LightPlan, facing: u64, job: &Job) {
-    let at = if measures(job) { "no pixel" } else { "no position of the planning grid" };
+    let at = match (job.visibility.source, measures(job)) {
+        (VisibilitySource::Aov, _) => "no pixel of the images",
+        (_, true) => "no pixel",
+        (_, false) => "no position of the planning grid",
+    };
     (entry.status, entry.reason) = if facing == 0 {
         (Status::Unlit, Some(format!("{at} faces the light within its reach")))
     } else {
@@ -254,6 +266,9 @@ pub(super) fn light_error(
 
 /// Visible points of the light, evenly thinned: of the film where it was classified, else of the grid.
 pub(super) fn seen(stage: &FrameStage, answers: &[Answer], film: Option<&Receivers>) -> Vec<Seen> {
+    if let (Some(images), Some(film)) = (stage.images, film) {
+        return seen_by(film, |pixel| images.film.surface(pixel));
+    }
     match (film, stage.view) {
         (Some(film), Some(view)) => seen_on_film(stage.tracer, view, stage.camera, film),
         _ => (0..answers.len())
@@ -269,9 +284,14 @@ pub(super) fn seen(stage: &FrameStage, answers: &[Answer], film: Option<&Receive
 
 /// The pixels of a light, evenly thinned.
 pub(super) fn seen_on_film(tracer: &Tracer, view: &View, camera: &Camera, film: &Receivers) -> Vec<Seen> {
+    seen_by(film, |pixel| view.surface(tracer, camera, pixel))
+}
+
+/// The same with the surface of a pixel from elsewhere.
+fn seen_by(film: &Receivers, surface_of: impl Fn(usize) -> Option<Surface>) -> Vec<Seen> {
     let stride = film.len().div_ceil(SEEN_MAX).max(1);
     let point = |i: usize| {
-        let surface = view.surface(tracer, camera, film.pixels[i] as usize)?;
+        let surface = surface_of(film.pixels[i] as usize)?;
         Some(Seen { position: film.positions[i], normal: surface.normal, shadowed: film.shadowed[i] })
     };
     (0..film.len()).step_by(stride).filter_map(point).collect()

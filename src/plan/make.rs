@@ -7,25 +7,49 @@ use super::light_entry::light_entry;
 use super::stage::Stages;
 use super::{
     FramePlan, LightPlan, Plan, PlanCamera, PlanError, PlannedJob, Stage, Timings, Watch, across, budget, hash_inputs,
-    relative_path, whole_shot,
+    images, relative_path, whole_shot,
 };
+use crate::aov::Images;
 use crate::job::{Job, LoadedJob};
 use crate::math::rows_of;
-use crate::scene::{self, Camera, Film, FrameTime, Shot, ShotParams};
+use crate::scene::{self, Camera, Film, FrameTime, Shot, ShotParams, ShownByImages, VisibilitySource};
 use crate::shot::Temporal;
 
-/// Reads the files of a job.
+/// Reads the files of a job that is planned from geometry.
 pub(crate) fn load_shot(job: &LoadedJob) -> Result<Shot, PlanError> {
+    if job.job.visibility.source == VisibilitySource::Aov {
+        return Err(PlanError::NoGeometry);
+    }
+    load(job, None)
+}
+
+/// Reads the files of a job; with the images that are planned from, where it says so.
+pub(super) fn load_either(job: &LoadedJob) -> Result<(Shot, Option<Images>), PlanError> {
+    if job.job.visibility.source == VisibilitySource::Scene {
+        return Ok((load(job, None)?, None));
+    }
+    let images = images::open(job)?;
+    Ok((load(job, Some(&images))?, Some(images)))
+}
+
+fn load(job: &LoadedJob, images: Option<&Images>) -> Result<Shot, PlanError> {
+    let (mut frames, mut image) = (job.job.frames.clone(), job.job.image.clone());
+    if let Some(images) = images {
+        let numbers: Vec<String> = images.frames.iter().map(ToString::to_string).collect();
+        frames.range = Some(numbers.join(","));
+        image.size = Some([images.film.width, images.film.height]);
+    }
     let params = ShotParams {
         scene: &job.scene_files(),
         active_scene: job.job.active_scene.as_deref(),
         animation: job.job.animation.as_deref(),
-        frames: &job.job.frames,
-        image: &job.job.image,
+        frames: &frames,
+        image: &image,
         camera: &job.camera(),
         lights: &job.job.light,
         visibility: &job.job.visibility,
         allow_outside: job.job.allow_outside,
+        images: images.map(|images| ShownByImages { cameras: &images.cameras, files: &images.files }),
     };
     Ok(scene::load(&params)?)
 }
@@ -60,14 +84,18 @@ pub(crate) fn open<R>(
 ) -> Result<R, PlanError> {
     let begin = Instant::now();
     watch.step(Stage::Load, 0, LOAD_STEPS)?;
-    let shot = load_shot(loaded)?;
+    let (shot, images) = load_either(loaded)?;
     let load_s = begin.elapsed().as_secs_f64();
     watch.step(Stage::Load, 1, LOAD_STEPS)?;
     let job = in_scene_space(&loaded.job, &shot);
     for note in &shot.scene.notes {
         watch.note(note);
     }
-    let stages = Stages::new(&shot, &job);
+    if let Some(images) = &images {
+        watch.note(images::NOTE);
+        images.notes.iter().for_each(|note| watch.note(note));
+    }
+    let stages = Stages::new(&shot, &job, images.as_ref());
     let sort_s = begin.elapsed().as_secs_f64() - load_s;
     watch.step(Stage::Load, LOAD_STEPS, LOAD_STEPS)?;
     work(&stages, &Opening { begin, load_s, sort_s })
@@ -101,6 +129,9 @@ pub(crate) fn plan_on(
     let mut resolved = loaded.job.clone();
     resolved.scene = loaded.scene_files().iter().map(|f| f.at(relative_path(f.path(), plan_dir).into())).collect();
     resolved.camera.file = loaded.camera().file.map(|file| relative_path(&file, plan_dir).into());
+    if let Some(aov) = &mut resolved.aov {
+        aov.file = loaded.image_files().iter().map(|file| images::relative_pattern(file, plan_dir)).collect();
+    }
     if !shot.scene.animations.is_empty() {
         resolved.animation = Some(shot.scene.animations.clone());
     }

@@ -27,12 +27,12 @@ pub(super) struct Chosen {
 }
 
 /// Writes the entry of a map. `seen` are visible points of the light, a few thousand are enough; `answers` says whether
-/// this is the map that a point looks up.
+/// this is the map that a point looks up. Without a `tracer` only points between lit ones and the light are known to be lit.
 pub(super) fn map_entry(
     map: &JudgedMap,
     &Chosen { method, size, bias }: &Chosen,
     light: &Light,
-    tracer: &Tracer,
+    tracer: Option<&Tracer>,
     seen: &[Seen],
     answers: impl Fn(DVec3) -> bool,
 ) -> MapPlan {
@@ -100,7 +100,7 @@ fn in_unit(uv: DVec2) -> bool {
 fn witnesses(
     m: &DMat4,
     light: &Light,
-    tracer: &Tracer,
+    tracer: Option<&Tracer>,
     inside: &[Seen],
     answers: &impl Fn(DVec3) -> bool,
 ) -> Vec<Witness> {
@@ -124,7 +124,9 @@ fn witnesses(
         }
     }
     // Lifted by halving steps until it still lies in the map's depth range and looks the map up.
-    for s in [first, &inside[inside.len() / 2], &inside[inside.len() - 1]] {
+    let from: Vec<&Seen> = inside.iter().filter(|s| tracer.is_some() || !s.shadowed).collect();
+    let spread = [0, from.len() / 2, from.len().saturating_sub(1)];
+    for s in spread.into_iter().filter_map(|k| from.get(k)) {
         let towards = light.towards(s.position);
         let reach = if light.position().is_some() { 0.5 } else { inside_extent(inside) };
         for halving in 0..8 {
@@ -132,7 +134,7 @@ fn witnesses(
             let in_range = uv_of(m, lifted).is_some_and(|(uv, depth)| in_unit(uv) && (0.0..=1.0).contains(&depth));
             if in_range && answers(lifted) {
                 let end = if light.position().is_some() { 1.0 } else { f64::INFINITY };
-                add(lifted, tracer.occluded(lifted, light.towards(lifted), 0.0, end));
+                add(lifted, tracer.is_some_and(|t| t.occluded(lifted, light.towards(lifted), 0.0, end)));
                 break;
             }
         }

@@ -3,6 +3,7 @@
 //! The frame is planned, and then measured from the plan alone, as `verify` does; the pictures show that measurement.
 
 mod film;
+mod images;
 mod map;
 mod strip;
 
@@ -11,13 +12,14 @@ use std::path::{Path, PathBuf};
 
 use super::make::load_shot;
 use super::remeasure::{Seeing, remeasure};
-use super::{LightPlan, PlanError, Watch, make};
+use super::{PlanError, Watch, make};
 use crate::job::LoadedJob;
 use crate::picture::write_exr;
 use crate::samples::{Grid, GridView, LightView, sample_light};
-use crate::scene::{Light, LightParams};
+use crate::scene::{Light, LightParams, VisibilitySource};
 use crate::visibility::{Bvh, RayOffset, Tracer, see};
 use film::Film;
+pub use images::render_images;
 pub use strip::strip;
 
 /// Writes what was seen in one frame to a folder, and says which files it wrote. With `light`, only that light is planned
@@ -32,6 +34,9 @@ pub fn render(
     dir: &Path,
     watch: &Watch,
 ) -> Result<Vec<PathBuf>, PlanError> {
+    if loaded.job.visibility.source == VisibilitySource::Aov {
+        return Err(PlanError::NoGeometry);
+    }
     let mut files = Files { dir: dir.to_owned(), written: Vec::new() };
     fs::create_dir_all(dir).map_err(|source| PlanError::Write { dest: dir.display().to_string(), source })?;
     let mut loaded = loaded.clone();
@@ -57,6 +62,7 @@ pub fn render(
     let seeing = Seeing { tracer: &tracer, camera: &posed.camera, view: &view, offset };
     let grid = GridView::see(&tracer, &posed.camera, Grid::new(shot.film, loaded.job.sampling.grid), Some(&view));
 
+    let names: Vec<&str> = planned.lights.iter().map(|l| l.light.as_str()).collect();
     let mut film = Film::new(&seeing);
     for (entry, light) in planned.lights.iter().zip(&posed.lights) {
         watch.check()?;
@@ -64,7 +70,7 @@ pub fn render(
         let answers = &grid.answers(&tracer, &posed.camera, light, offset);
         let lit = LightView { tracer: &tracer, camera: &posed.camera, view: &grid, light, offset, answers };
         let samples = sample_light(&lit, loaded.job.sampling.refine, false);
-        let name = file_name(entry, &planned.lights);
+        let name = file_name(&entry.light, &names);
         film.add(&seeing, light, &name, &measured, &samples.edges);
         files.png(&format!("{name}.shadow.png"), film.shadow_mask(&measured, &samples.edges))?;
         files.png(&format!("{name}.error.png"), film.error_mask(&measured))?;
@@ -102,20 +108,19 @@ impl Files {
 }
 
 /// A light's name in file and channel names: ASCII letters, digits, `-` and `_`; numbered where that is ambiguous.
-fn file_name(entry: &LightPlan, lights: &[LightPlan]) -> String {
+fn file_name(name: &str, all: &[&str]) -> String {
     /// Most characters of a light's name that are kept: file systems and OpenEXR allow 255 bytes for all of a name.
     const LONGEST: usize = 100;
     let plain = |name: &str| -> String {
         let kept = |c: char| if c.is_ascii_alphanumeric() || c == '-' || c == '_' { c } else { '_' };
         name.chars().take(LONGEST).map(kept).collect()
     };
-    let name = plain(&entry.light);
-    let alike = |l: &&LightPlan| plain(&l.light).eq_ignore_ascii_case(&name);
-    if lights.iter().filter(alike).count() < 2 {
-        return name;
+    let own = plain(name);
+    if all.iter().filter(|other| plain(other).eq_ignore_ascii_case(&own)).count() < 2 {
+        return own;
     }
-    let number = lights.iter().position(|l| l.light == entry.light).unwrap_or(0);
-    format!("{name}_{number}")
+    let number = all.iter().position(|other| *other == name).unwrap_or(0);
+    format!("{own}_{number}")
 }
 
 /// How much of a light's brightness arrives at a point: all of a directional light's, a point's or spot's falling off

@@ -1,13 +1,18 @@
 //! The stage of a frame, set from the shot: its triangles sorted for rays, its film and its planning grid seen.
 
-use super::PlanError;
+use super::{PlanError, images};
+use crate::aov::{Images, ImagesFrame};
+use crate::depth::{Kept, Visible};
 use crate::job::Job;
 use crate::math::Bounds;
 use crate::measure::{Outside, Receivers};
-use crate::resolution::FilmQuestion;
+use crate::methods::Region;
+use crate::resolution::{FilmQuestion, JudgedMap};
 use crate::samples::{Grid, GridView, LightSamples, LightView, sample_light};
 use crate::scene::{Camera, Film, FrameTime, Light, SceneFrame, Shot};
+use crate::shot::Content;
 use crate::visibility::{Answer, Bvh, RayOffset, Tracer, View, classify, see};
+use glam::DVec3;
 use std::sync::Arc;
 
 /// What a frame gives to each of its lights.
@@ -22,6 +27,10 @@ pub(crate) struct FrameStage<'a> {
     pub(crate) offset: RayOffset,
     /// Rays spent on the frame itself, shared out.
     pub(super) rays_share: u64,
+    /// A renderer's images of the frame, asked instead of rays; there are no triangles then, no view and no grid.
+    pub(super) images: Option<&'a ImagesFrame>,
+    /// Place of the frame in the shot.
+    pub(super) place: usize,
 }
 
 /// What rays say of one light of a frame.
@@ -53,6 +62,9 @@ impl FrameStage<'_> {
 
     /// Asks film and planning grid for one light; a film that is the grid is asked once.
     pub(super) fn look(&self, light: &Light, job: &Job) -> Lit {
+        if let Some(images) = self.images {
+            return images::look(images, light, job);
+        }
         let FrameStage { tracer, camera, grid: view, offset, .. } = *self;
         let facing = |answers: &[Answer]| answers.iter().filter(|a| **a != Answer::Unlit).count() as u64;
         let classified = self.view.map(|film| classify(tracer, film, camera, light, offset));
@@ -70,6 +82,40 @@ impl FrameStage<'_> {
         let samples = sample_light(&lit, job.sampling.refine, job.map.outside == Outside::Shadowed);
         let rays = film_rays + grid_rays + samples.rays;
         Lit { answers, film, samples, rays }
+    }
+
+    /// The points that look a light's maps up: pixels, or planning-grid positions where nothing is measured.
+    pub(super) fn visible(&self, light: &Light) -> Vec<DVec3> {
+        let FrameStage { tracer, camera, offset, .. } = *self;
+        match (self.images, self.view) {
+            (Some(images), _) => images::receivers(images, light).positions,
+            (_, Some(view)) => Receivers::classify(tracer, view, camera, light, offset).positions,
+            _ => {
+                let answers = self.grid.answers(tracer, camera, light, offset);
+                let facing = (0..answers.len()).filter(|i| answers[*i] != Answer::Unlit);
+                facing.filter_map(|i| self.grid.surface(tracer, camera, i)).map(|s| s.position).collect()
+            }
+        }
+    }
+
+    /// What the depth range of a region's map has to hold, given the visible points that may look it up.
+    pub(super) fn kept(&self, region: &Region, visible: &[DVec3], light: &Light, job: &Job) -> Kept<'_> {
+        match self.images {
+            None => JudgedMap::kept(region, self.tracer, &Visible::new(visible)),
+            Some(_) => {
+                let unseen = images::unseen(light, job, self.bounds);
+                Kept::of_visible(&region.space, &region.h, visible, &region.domain, &unseen)
+            }
+        }
+    }
+
+    /// The moving triangles that stand in the maps of regions; what is not known is not that of any other frame.
+    pub(super) fn content(&self, regions: &[Region]) -> Content {
+        if self.images.is_some() {
+            Content::unknown(self.place)
+        } else {
+            Content::in_maps(self.tracer.geometry(), regions)
+        }
     }
 }
 
@@ -101,17 +147,19 @@ pub(crate) struct Stages<'a> {
     pub(crate) shot: &'a Shot,
     pub(crate) job: &'a Job,
     pub(super) still: Arc<Bvh>,
+    /// Asked instead of rays, where the job says so.
+    pub(super) images: Option<&'a Images>,
 }
 
 impl<'a> Stages<'a> {
     /// Sorts the still triangles.
-    pub(crate) fn new(shot: &'a Shot, job: &'a Job) -> Stages<'a> {
-        Stages { shot, job, still: Arc::new(Bvh::still(&shot.scene)) }
+    pub(crate) fn new(shot: &'a Shot, job: &'a Job, images: Option<&'a Images>) -> Stages<'a> {
+        Stages { shot, job, still: Arc::new(Bvh::still(&shot.scene)), images }
     }
 
     /// The same shot under other settings; only those of what is planned may differ, not of what there is to see.
     pub(crate) fn with_job<'b>(&'b self, job: &'b Job) -> Stages<'b> {
-        Stages { shot: self.shot, job, still: Arc::clone(&self.still) }
+        Stages { shot: self.shot, job, still: Arc::clone(&self.still), images: self.images }
     }
 
     /// Number of frames.
@@ -150,14 +198,20 @@ impl<'a> Stages<'a> {
 
     fn set<R>(
         &self,
-        frame: usize,
+        place: usize,
         grid: bool,
         work: impl FnOnce(&FrameStage, &SceneFrame) -> Result<R, PlanError>,
     ) -> Result<R, PlanError> {
         let (shot, job) = (self.shot, self.job);
-        let posed = Posed::new(shot, self.time(frame).time_s)?;
+        let time = self.time(place);
+        let posed = Posed::new(shot, time.time_s)?;
         let (tracer, frame) = (posed.tracer(shot, &self.still), &posed.frame);
-        let bounds = tracer.bounds().map_or(Bounds::EMPTY, |[min, max]| Bounds { min, max });
+        let images = self.images.map(|images| images.frame(time.frame, &frame.camera, &frame.lights)).transpose()?;
+        let bounds = match &images {
+            Some(images) => Bounds::of((0..shot.film.pixels()).filter_map(|pixel| images.film.position(pixel))),
+            None => tracer.bounds().map_or(Bounds::EMPTY, |[min, max]| Bounds { min, max }),
+        };
+        let grid = grid && images.is_none();
         let positions = Grid::new(shot.film, job.sampling.grid);
         let view = measures(job).then(|| see(&tracer, &frame.camera, shot.film));
         let own = grid && !(view.is_some() && positions.is_film());
@@ -176,6 +230,8 @@ impl<'a> Stages<'a> {
             bounds,
             offset: RayOffset::for_scene(&tracer),
             rays_share: (primary / frame.lights.len().max(1)) as u64,
+            images: images.as_ref(),
+            place,
         };
         work(&stage, frame)
     }

@@ -13,7 +13,9 @@ use super::{Conventions, Input, SCHEMA};
 use crate::job::Job;
 
 pub use budget::{BudgetSummary, LightBudget};
-pub use light::{Cost, LightError, LightPlan, Measured, Predicted, SolverReport, Status, Tried};
+pub use light::{
+    Casters, Cost, FromImages, LightError, LightPlan, Measured, MetBy, Predicted, RangeEnd, SolverReport, Status, Tried,
+};
 pub use map::{CubeFace, Domain, Frustum, LightCamera, LightProjection, MapBias, MapPlan, Witness};
 pub use operating::{Operating, TimeModel};
 pub use temporal::{Flicker, LightTemporal, Reprojected};

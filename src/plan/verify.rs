@@ -3,11 +3,15 @@
 //! Uses no sample, metric or fit: what judges a plan shares none of what chose it. Planning and checking are both
 //! deterministic, so counts have to be equal to the pixel.
 //!
+//! A plan from images is held against them: what is in shadow lies in a map, what looks a map up in its depth range, and
+//! witnesses are as the images have them. Nothing can be drawn, so nothing is counted.
+//!
 //! Not checked: `near` and `far` in metres, the number of witnesses, the bias in texels and metres and the f32 round trip,
 //! the prediction, and what planning cost.
 
 mod across;
 mod claims;
+mod images;
 mod light;
 mod restated;
 mod witness;
@@ -17,7 +21,7 @@ use std::path::Path;
 use across::Across;
 use serde::Serialize;
 
-use super::make::load_shot;
+use super::make::load_either;
 use super::remeasure::{Before, Seeing};
 use super::reproject::Steps;
 use super::stage::Posed;
@@ -75,10 +79,12 @@ pub struct LightCheck {
     /// Wrong pixels as the plan has them; absent when it was not measured.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub planned: Option<u64>,
-    /// Wrong pixels now.
-    pub measured: u64,
-    /// Further wrong pixels, whose exact answer is uncertain, now.
-    pub uncertain: u64,
+    /// Wrong pixels now; absent where nothing can be drawn, for a plan from images.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub measured: Option<u64>,
+    /// Further wrong pixels, whose exact answer is uncertain, now; absent likewise.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub uncertain: Option<u64>,
     /// Pixels on surfaces that did not move whose answer changes since the frame before although the exact answer does not,
     /// now; absent for the first frame.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -112,9 +118,12 @@ pub fn verify(plan: &Plan, plan_dir: &Path, watch: &Watch) -> Result<Verificatio
         return Ok(found);
     }
     let loaded = LoadedJob { job: plan.job.job.clone(), file: None, dir: plan_dir.to_owned() };
-    let shot = load_shot(&loaded)?;
+    let (shot, images) = load_either(&loaded)?;
     found.problems = claims::of_the_whole(plan, plan_dir, &shot);
-    measure(plan, &shot, &mut found, watch)?;
+    match &images {
+        Some(images) => images::look(plan, &shot, images, &mut found, watch)?,
+        None => measure(plan, &shot, &mut found, watch)?,
+    }
     found.passed = found.problems.is_empty() && found.lights.iter().all(|l| l.outcome == Outcome::Holds);
     Ok(found)
 }

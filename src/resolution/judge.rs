@@ -47,8 +47,20 @@ impl JudgedMap {
     /// # Errors
     /// [`DepthError`]: nothing visible looks a map up, or it has no finite depth row.
     pub fn of_all(regions: &[Region], tracer: &Tracer, receivers: &[DVec3]) -> Result<Vec<JudgedMap>, DepthError> {
+        JudgedMap::of_all_by(regions, receivers, |region, own| JudgedMap::kept(region, tracer, &Visible::new(own)))
+    }
+
+    /// The same, with what a region keeps, given the receivers it answers for, found by the caller.
+    ///
+    /// # Errors
+    /// As [`JudgedMap::of_all`].
+    pub fn of_all_by<'a>(
+        regions: &[Region],
+        receivers: &[DVec3],
+        kept: impl Fn(&Region, &[DVec3]) -> Kept<'a>,
+    ) -> Result<Vec<JudgedMap>, DepthError> {
         if let [region] = regions {
-            return Ok(vec![JudgedMap::new(region.clone(), tracer, &Visible::new(receivers))?]);
+            return Ok(vec![JudgedMap::holding(region.clone(), &kept(region, receivers))?]);
         }
         let mut own = vec![Vec::new(); regions.len()];
         for point in receivers {
@@ -56,11 +68,7 @@ impl JudgedMap {
                 own[k].push(*point);
             }
         }
-        regions
-            .iter()
-            .zip(own)
-            .map(|(region, own)| JudgedMap::new(region.clone(), tracer, &Visible::new(&own)))
-            .collect()
+        regions.iter().zip(own).map(|(region, own)| JudgedMap::holding(region.clone(), &kept(region, &own))).collect()
     }
 
     /// The matrix of a region with the depth row that holds what is visible and its casters.
@@ -235,7 +243,8 @@ impl<'a> Judge<'a> {
     pub fn at_quantile(&self, drawn: &[Drawn], wrong: &[u32]) -> f64 {
         let QualityParams { bound, quantile, .. } = *self.question.quality;
         if bound == Bound::Footprint {
-            footprint(self.tracer, self.view, self.question.camera, self.receivers, drawn, quantile)
+            let surface = |pixel: usize| self.view.surface(self.tracer, self.question.camera, pixel);
+            footprint(surface, self.view.film, self.question.camera, self.receivers, drawn, quantile)
         } else {
             edge_distance(self.receivers, wrong, self.question.film, quantile)
         }

@@ -41,6 +41,11 @@ impl Grid {
         (self.columns, self.rows) == (self.film.width, self.film.height)
     }
 
+    /// Number of a position, row by row.
+    pub fn index(&self, column: u32, row: u32) -> usize {
+        row as usize * self.columns as usize + column as usize
+    }
+
     /// The film position of a grid position counted row by row.
     pub fn position_of(&self, index: usize) -> [f64; 2] {
         let columns = self.columns.max(1) as usize;
@@ -107,11 +112,6 @@ impl<'a> GridView<'a> {
     pub fn answers(&self, tracer: &Tracer, camera: &Camera, light: &Light, offset: RayOffset) -> Vec<Answer> {
         let at = |i| self.surface(tracer, camera, i).map_or(Answer::Unlit, |s| answer(tracer, &s, light, offset));
         (0..self.grid.len()).into_par_iter().map(at).collect()
-    }
-
-    /// Index of a position.
-    pub fn index(&self, column: u32, row: u32) -> usize {
-        row as usize * self.grid.columns as usize + column as usize
     }
 }
 

@@ -50,6 +50,8 @@ pub(super) enum CameraSource {
     },
     /// Described by the job.
     Posed(Box<PosedCamera>),
+    /// In world space, each for its time, seconds.
+    PerFrame(Vec<(f64, Camera)>),
 }
 
 /// Resolves `[camera]`. `aspect` is that of the film when the camera has no say in it.
@@ -174,7 +176,7 @@ impl CameraSource {
     pub(super) fn aspect(&self) -> Option<f64> {
         match self {
             CameraSource::Node { aspect, .. } => *aspect,
-            CameraSource::Posed(_) => None,
+            CameraSource::Posed(_) | CameraSource::PerFrame(_) => None,
         }
     }
 
@@ -186,6 +188,13 @@ impl CameraSource {
     pub(super) fn at(&self, nodes: &[Node], pose: &Pose, origin: DVec3, time_s: f64) -> Result<Camera, SceneError> {
         match self {
             CameraSource::Posed(posed) => posed.at(origin, time_s),
+            CameraSource::PerFrame(cameras) => {
+                let found = cameras.iter().find(|(time, _)| *time == time_s).map(|(_, camera)| camera);
+                let camera = found.ok_or_else(|| {
+                    SceneError::bad_key("frames.range", format!("no image of the shot is at t = {time_s} s"))
+                })?;
+                Ok(Camera { position: camera.position - origin, ..camera.clone() })
+            }
             CameraSource::Node { name, node, projection, near, far, tracks, .. } => {
                 let world = &pose.world_from_node[*node];
                 let world_from_camera = orthonormal_rotation(world.matrix3).ok_or_else(|| {

@@ -51,9 +51,9 @@ pub use marks::{Mark, Marks};
 pub use mask::{AlphaImage, Cutout, Mask, Wrap};
 pub use params::{
     BlendRule, CameraKey, CameraParams, FramesParams, ImageParams, InstanceRule, KeyInterpolation, LightKindName,
-    LightParams, RotationOrder, VisibilityParams,
+    LightParams, RotationOrder, VisibilityParams, VisibilitySource,
 };
-pub use shot::{Scene, Shot, ShotParams, load};
+pub use shot::{Scene, Shot, ShotParams, ShownByImages, load};
 
 use glam::Vec3;
 

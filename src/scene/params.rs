@@ -125,6 +125,8 @@ pub struct CameraKey {
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct VisibilityParams {
+    /// Where it is known from what is seen and what is in shadow.
+    pub source: VisibilitySource,
     /// What becomes of glTF materials with alphaMode BLEND, and of OBJ materials that are partly transparent (`d`, `Tr`).
     pub blend: BlendRule,
     /// Whether meshes that are placed several times, or move rigidly, are kept once.
@@ -150,6 +152,17 @@ impl InstanceRule {
     fn is_auto(&self) -> bool {
         *self == InstanceRule::Auto
     }
+}
+
+/// Where it is known from what the camera sees and what is in shadow.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum VisibilitySource {
+    /// Rays through the triangles of the scene.
+    #[default]
+    Scene,
+    /// A renderer's own images, `[aov]`: no triangle is looked at, casters are not seen, nothing can be measured.
+    Aov,
 }
 
 /// What becomes of a material that is blended: shadow maps have no half shadows.
@@ -245,4 +258,16 @@ pub struct LightParams {
     /// What one of its wrong pixels counts under a budget, at least 0; absent = 1.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub importance: Option<f64>,
+    /// The layer of the images with this light's shadow, where it is not that of `[aov] shadow`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub aov: Option<String>,
+    /// Planning from images only: where the depth range begins at the latest, metres, as `near` in a plan (from the light
+    /// along the map's axis; for a directional light along its direction from the origin, may be negative). What casts
+    /// beyond it is not in the map. Absent = from what is seen.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub near: Option<f64>,
+    /// Planning from images only: where the depth range ends at the earliest, metres, as `far` in a plan. Absent = from
+    /// what is seen.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub far: Option<f64>,
 }

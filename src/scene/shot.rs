@@ -13,8 +13,8 @@ use super::pose::Pose;
 use super::rig::Rig;
 use super::split::{self, Split};
 use super::{
-    CameraParams, FILM_PIXELS_MAX, Film, FramesParams, Geometry, ImageParams, Instance, LightParams, SceneError,
-    SceneFile, SceneFrame, SharedMesh, Triangle, VisibilityParams, read,
+    Camera, CameraParams, FILM_PIXELS_MAX, Film, FramesParams, Geometry, ImageParams, Instance, LightParams,
+    SceneError, SceneFile, SceneFrame, SharedMesh, Triangle, VisibilityParams, read,
 };
 use glam::{DAffine3, DVec3};
 use std::path::PathBuf;
@@ -49,7 +49,21 @@ pub struct ShotParams<'a> {
     pub visibility: &'a VisibilityParams,
     /// `allow_outside`: scene files may name files outside their own folders.
     pub allow_outside: bool,
+    /// What a renderer's images show instead of the scene's triangles.
+    pub images: Option<ShownByImages<'a>>,
 }
+
+/// What is taken from a renderer's images: the scene's triangles are not looked at, only its cameras and lights.
+#[derive(Clone, Copy, Debug)]
+pub struct ShownByImages<'a> {
+    /// World-space cameras of the frames, in their order; empty where the images have none or the job states one.
+    pub cameras: &'a [Camera],
+    /// The files of the images.
+    pub files: &'a [PathBuf],
+}
+
+/// Without triangles, what a camera that the job describes is told of the scene's size, metres.
+const SIZE_UNKNOWN_M: f64 = 10.0;
 
 /// What is to be planned.
 #[derive(Debug)]
@@ -100,6 +114,10 @@ pub struct Scene {
 /// animations or glTF scene, keys that make no sense, transforms that break at some frame of the shot.
 pub fn load(params: &ShotParams<'_>) -> Result<Shot, SceneError> {
     let (mut model, path) = read::all(params)?;
+    if let Some(images) = &params.images {
+        model.parts.clear();
+        model.inputs.extend_from_slice(images.files);
+    }
     let params = &ShotParams { camera: path.as_ref().unwrap_or(params.camera), ..*params };
     let played = clip::play(params.animation, &mut model)?;
     let fps = params.frames.fps.unwrap_or(DEFAULT_FPS);
@@ -110,7 +128,7 @@ pub fn load(params: &ShotParams<'_>) -> Result<Shot, SceneError> {
     let lights = light_source::choose(params.lights, &model)?;
 
     let split = split::split(&model, &frames)?;
-    let origin = bake::origin(&split.bounds);
+    let origin = if split.bounds.is_empty() { DVec3::ZERO } else { bake::origin(&split.bounds) };
     let first_s = frames.first().map_or(0.0, |frame| frame.time_s);
     let moving_may_be_there = split.moving.iter().any(|part| !model.meshes[part.mesh].triangles.is_empty());
     check_count(&model, &split)?;
@@ -118,14 +136,27 @@ pub fn load(params: &ShotParams<'_>) -> Result<Shot, SceneError> {
     let still = bake_still(&mut model, &shared, &split, origin, first_s)?;
     let moving = posed_triangles(Rig::of(&model), &shared, &split.moving, &split.first, origin, first_s)?;
     // Moving parts may have none at the first frame only.
-    if still.triangles.is_empty() && still.instances.is_empty() && !moving_may_be_there {
+    let without = still.triangles.is_empty() && still.instances.is_empty() && !moving_may_be_there;
+    if without && params.images.is_none() {
         let files: Vec<String> = params.scene.iter().map(|file| file.path().display().to_string()).collect();
         return Err(SceneError::NoTriangles { files: files.join(", ") });
     }
-    let around = surroundings(&[&still, &moving], &shared, &split.bounds, origin);
+    let around = match params.images {
+        None => surroundings(&[&still, &moving], &shared, &split.bounds, origin),
+        Some(_) => {
+            let (centre, radius) = (DVec3::ZERO, SIZE_UNKNOWN_M / 2.0);
+            Surroundings { centre, radius, reach: radius, diagonal: SIZE_UNKNOWN_M }
+        }
+    };
     drop(moving);
     let film_of_poses = film(params.image, None)?;
-    let camera = camera_source::choose(params.camera, &model, fps, film_of_poses.aspect(), &around)?;
+    let camera = match params.images.filter(|images| !images.cameras.is_empty()) {
+        Some(images) => {
+            let times = frames.iter().map(|frame| frame.time_s);
+            CameraSource::PerFrame(times.zip(images.cameras.iter().cloned()).collect())
+        }
+        None => camera_source::choose(params.camera, &model, fps, film_of_poses.aspect(), &around)?,
+    };
     let film = film(params.image, camera.aspect())?;
 
     let Model { nodes, mut meshes, skins, instances, masks, inputs, notes, .. } = model;

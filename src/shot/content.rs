@@ -24,6 +24,13 @@ impl Content {
         *self == Content::default()
     }
 
+    /// Of a frame of which nothing is known: that of no other frame.
+    pub fn unknown(frame: usize) -> Content {
+        let mut bytes = [u8::MAX; 32];
+        bytes[..8].copy_from_slice(&(frame as u64).to_le_bytes());
+        Content(bytes)
+    }
+
     /// Of moving triangles that may reach a map; `reaches` errs towards true.
     pub fn of(geometry: Geometry<'_>, reaches: impl Fn(&[DVec3; 3]) -> bool) -> Content {
         let mut hasher = Sha256::new();

@@ -65,6 +65,7 @@ fn light(name: &str, kind: LightKindName, status: Status) -> LightPlan {
         flicker: None,
         reprojected: None,
         budget: None,
+        images: None,
         cost: Cost::default(),
     }
 }

@@ -47,6 +47,7 @@ fn try_load(path: &Path) -> Result<Shot, String> {
             lights,
             visibility: &VisibilityParams::default(),
             allow_outside: false,
+            images: None,
         };
         last = load(&params).map_err(|error| error.to_string());
         if last.is_ok() {

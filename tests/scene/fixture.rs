@@ -199,6 +199,7 @@ impl Job {
             lights: &self.lights,
             visibility: &self.visibility,
             allow_outside: false,
+            images: None,
         })
     }
 

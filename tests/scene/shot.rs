@@ -112,6 +112,9 @@ fn lights_come_from_the_file_the_job_or_both() {
         cone: Some(30.0),
         range: Some(7.0),
         importance: None,
+        aov: None,
+        near: None,
+        far: None,
     };
     let named = |name: &str| LightParams { name: name.into(), ..LightParams::default() };
     job.lights = vec![spot.clone(), named("sky")];

@@ -104,7 +104,7 @@ pub fn budget_curves(loaded: &LoadedJob, watch: &Watch) -> Result<BudgetCurves, 
     let budget = own.budget.clone();
     let job = &Job { budget: BudgetParams::default(), ..own };
     shot.scene.notes.iter().for_each(|note| watch.note(note));
-    let stages = Stages::new(&shot, job);
+    let stages = Stages::new(&shot, job, None);
     let frames = planned(&stages, false, watch)?;
     let mut search = Search::new(&stages, &frames);
     let base = known(&mut search, &frames);

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Flicker, LightBudget, LightTemporal, MapPlan, Reprojected};
 use crate::fit::Termination;
+use crate::job::Job;
 use crate::scene::{Light, LightKind, LightKindName};
 
 /// One light in one frame.
@@ -56,8 +57,71 @@ pub struct LightPlan {
     /// What texels gain in its maps; only with maps, within a budget.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub budget: Option<LightBudget>,
+    /// Planned from a renderer's images, and what that leaves open; absent where there was geometry.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub images: Option<FromImages>,
     /// What planning this light took.
     pub cost: Cost,
+}
+
+/// What a plan from a renderer's images rests on.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+pub struct FromImages {
+    /// What casts was not seen: what these two do not hold is missing from the map.
+    pub casters: Casters,
+    /// Where the near end of the depth range comes from.
+    pub near: RangeEnd,
+    /// Where the far end comes from.
+    pub far: RangeEnd,
+    /// How `met` is known.
+    pub met: MetBy,
+    /// The same in words.
+    pub note: String,
+}
+
+/// What is known of the things that cast shadows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Casters {
+    /// Only the shadows that they throw.
+    Unseen,
+}
+
+/// Where an end of a depth range comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum RangeEnd {
+    /// `[[light]] near` or `far`.
+    Job,
+    /// What is seen, and room towards the light.
+    Receivers,
+}
+
+/// How `met` is known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum MetBy {
+    /// By the closed form: without geometry no map can be drawn.
+    Prediction,
+}
+
+impl FromImages {
+    /// Of a light of a job.
+    pub fn of(light: &Light, job: &Job) -> FromImages {
+        let own = job.light.iter().find(|l| l.name == light.name);
+        let end = |given: Option<f64>| if given.is_some() { RangeEnd::Job } else { RangeEnd::Receivers };
+        let (near, far) = (end(own.and_then(|l| l.near)), end(own.and_then(|l| l.far)));
+        let room = match (near, light.position()) {
+            (RangeEnd::Job, _) => "from the job's near",
+            (RangeEnd::Receivers, None) => "in front of what is seen, by the extent of what is seen",
+            (RangeEnd::Receivers, Some(_)) => "at 1/64 of the way from the light to the nearest thing seen",
+        };
+        let note = format!(
+            "planned from images: casters were not seen, and what stands before the near end of the depth range is not in \
+             the map; it begins {room}. Nothing could be drawn: sizes and met are predicted"
+        );
+        FromImages { casters: Casters::Unseen, near, far, met: MetBy::Prediction, note }
+    }
 }
 
 impl LightPlan {
@@ -87,6 +151,7 @@ impl LightPlan {
             flicker: None,
             reprojected: None,
             budget: None,
+            images: None,
             cost: Cost::default(),
         }
     }

@@ -1,13 +1,13 @@
 //! One light of one frame: measured again, and compared with what the plan says of it.
 
 use super::super::remeasure::{Remeasured, Seeing, remeasure};
-use super::super::{LightPlan, Measured, Status, Tried};
+use super::super::{LightPlan, MapPlan, Measured, Status, Tried};
 use super::{LightCheck, Outcome, claims, restated, witness};
 use crate::job::Job;
 use crate::math::first_holding;
-use crate::measure::{EDGE_ON_DEGREES, Outside, Verdict, edge_distance, footprint};
+use crate::measure::{Drawn, EDGE_ON_DEGREES, Outside, Receivers, Verdict, edge_distance, footprint};
 use crate::resolution::Bound;
-use crate::scene::Light;
+use crate::scene::{Light, VisibilitySource};
 use glam::DVec3;
 
 /// Reasons listed in full; more are counted.
@@ -26,21 +26,7 @@ pub(super) fn check(
     job: &Job,
 ) -> (LightCheck, Option<Remeasured>) {
     let of_pixels = seeing.view.film.pixels() as u64;
-    let mut check = LightCheck {
-        frame,
-        light: entry.light.clone(),
-        sizes: entry.maps.iter().map(|m| [m.width, m.height]).collect(),
-        planned: entry.error.as_ref().and_then(|e| e.measured.as_ref()).map(|m| m.misclassified),
-        measured: 0,
-        uncertain: 0,
-        flicker: None,
-        of_pixels,
-        epsilon: entry.epsilon,
-        witnesses_held: 0,
-        witnesses: entry.maps.iter().map(|m| m.witnesses.len() as u64).sum(),
-        outcome: Outcome::Broken,
-        reasons: Vec::new(),
-    };
+    let mut check = unchecked(frame, entry, of_pixels);
     check.reasons.extend(claims::of_a_light(entry, light));
     let got = entry.error.as_ref().filter(|_| entry.budget.is_some()).and_then(|e| e.measured.as_ref());
     match got.map(|m| m.misclassified as f64 / m.of_pixels as f64) {
@@ -59,42 +45,69 @@ pub(super) fn check(
             return (check, None);
         }
     };
-    check.measured = measured.verdict.certain.wrong();
-    check.uncertain = measured.verdict.uncertain;
-    check.reasons.extend(status_faults(entry, &measured, job));
-    check.reasons.extend(domain_fault(&measured, job));
+    check.measured = Some(measured.verdict.certain.wrong());
+    check.uncertain = Some(measured.verdict.uncertain);
+    check.reasons.extend(status_faults(entry, &measured.receivers, job));
+    check.reasons.extend(domain_fault(&measured.receivers, &measured.drawn, job));
     check.reasons.extend(count_faults(seeing, entry, &measured.verdict, of_pixels, job));
-    check.reasons.extend(restated::faults(entry, &measured, job));
+    check.reasons.extend(restated::faults(entry, &measured.receivers, &measured.drawn, job));
     let at_quantile = at_quantile(seeing, &measured, job);
     check.reasons.extend(at_quantile.and_then(|now| value_fault(entry, now, job)));
-    let faults: Vec<String> = entry
-        .maps
-        .iter()
-        .enumerate()
-        .flat_map(|(k, map)| map.witnesses.iter().filter_map(move |w| witness::fault(seeing, light, entry, k, w)))
-        .collect();
+    witnesses(&mut check, entry, |point| Some(witness::is_shadowed(seeing, light, point)));
+    settle(&mut check, entry, &measured.verdict, at_quantile, job);
+    (check, Some(measured))
+}
+
+/// The check of an entry, with nothing checked.
+pub(super) fn unchecked(frame: i64, entry: &LightPlan, of_pixels: u64) -> LightCheck {
+    LightCheck {
+        frame,
+        light: entry.light.clone(),
+        sizes: entry.maps.iter().map(|m| [m.width, m.height]).collect(),
+        planned: entry.error.as_ref().and_then(|e| e.measured.as_ref()).map(|m| m.misclassified),
+        measured: None,
+        uncertain: None,
+        flicker: None,
+        of_pixels,
+        epsilon: entry.epsilon,
+        witnesses_held: 0,
+        witnesses: entry.maps.iter().map(|m| m.witnesses.len() as u64).sum(),
+        outcome: Outcome::Broken,
+        reasons: Vec::new(),
+    }
+}
+
+/// Checks the witnesses of an entry. `is_shadowed` is the exact answer at a point, where it is known.
+pub(super) fn witnesses(check: &mut LightCheck, entry: &LightPlan, is_shadowed: impl Fn(DVec3) -> Option<bool>) {
+    let of_map = |(k, map): (usize, &MapPlan)| {
+        let faults = map.witnesses.iter().filter_map(|w| witness::fault(entry, k, w, &is_shadowed));
+        faults.collect::<Vec<String>>()
+    };
+    let faults: Vec<String> = entry.maps.iter().enumerate().flat_map(of_map).collect();
     check.witnesses_held = check.witnesses - faults.len() as u64;
     let more = faults.len().saturating_sub(LISTED);
     check.reasons.extend(faults.into_iter().take(LISTED));
     if more > 0 {
         check.reasons.push(format!("{more} more witnesses do not hold"));
     }
-    settle(&mut check, entry, &measured.verdict, at_quantile, job);
-    (check, Some(measured))
+}
+
+/// Whether a plan was made knowing every pixel, by rays or from images; otherwise it was made on the planning grid, and the
+/// bound alone judges it.
+pub(super) fn knew_pixels(job: &Job) -> bool {
+    job.quality.measure.measures() || job.visibility.source == VisibilitySource::Aov
 }
 
 /// Whether the status is one that film-resolution visibility allows, and goes with the maps and flags beside it.
-fn status_faults(entry: &LightPlan, measured: &Remeasured, job: &Job) -> Vec<String> {
+pub(super) fn status_faults(entry: &LightPlan, receivers: &Receivers, job: &Job) -> Vec<String> {
     let mut faults = Vec::new();
-    let receivers = &measured.receivers;
     let shadowed = receivers.shadowed_count();
     let needed = if job.map.outside == Outside::Lit { shadowed } else { receivers.len() as u64 - shadowed };
     let has_maps = matches!(entry.status, Status::Planned | Status::NotMet);
     if has_maps == entry.maps.is_empty() || has_maps != entry.error.is_some() {
         faults.push(format!("status {:?} does not go with {} maps", entry.status, entry.maps.len()));
     }
-    // Without measuring, the status was decided on the planning grid; the bound alone judges it.
-    if job.quality.measure.measures() {
+    if knew_pixels(job) {
         let found = match (receivers.is_empty(), needed) {
             (true, _) => Some(Status::Unlit),
             (false, 0) => Some(Status::NoVisibleShadow),
@@ -118,9 +131,8 @@ fn status_faults(entry: &LightPlan, measured: &Remeasured, job: &Job) -> Vec<Str
 }
 
 /// Together the domains hold every pixel whose answer is not that of `outside`, where the plan was made knowing the pixels.
-fn domain_fault(measured: &Remeasured, job: &Job) -> Option<String> {
-    let Remeasured { receivers, drawn, .. } = measured;
-    if drawn.is_empty() || !job.quality.measure.measures() {
+pub(super) fn domain_fault(receivers: &Receivers, drawn: &[Drawn], job: &Job) -> Option<String> {
+    if drawn.is_empty() || !knew_pixels(job) {
         return None;
     }
     let needs = job.map.outside == Outside::Lit;
@@ -207,7 +219,10 @@ fn at_quantile(seeing: &Seeing, measured: &Remeasured, job: &Job) -> Option<f64>
     match job.quality.bound {
         Bound::Misclassified => None,
         Bound::Displacement => Some(edge_distance(receivers, wrong, view.film, job.quality.quantile)),
-        Bound::Footprint => Some(footprint(tracer, view, camera, receivers, drawn, job.quality.quantile)),
+        Bound::Footprint => {
+            let surface = |pixel: usize| view.surface(tracer, camera, pixel);
+            Some(footprint(surface, view.film, camera, receivers, drawn, job.quality.quantile))
+        }
     }
 }
 
@@ -258,7 +273,8 @@ fn settle(check: &mut LightCheck, entry: &LightPlan, now: &Verdict, at_quantile:
                 Some(value) => format!("the bound does not hold: it is at {value:.3} pixels, {limit}"),
                 None => format!(
                     "the bound does not hold: {} and {} uncertain are wrong, {limit}",
-                    check.measured, check.uncertain
+                    now.certain.wrong(),
+                    now.uncertain
                 ),
             },
         });

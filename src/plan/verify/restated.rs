@@ -1,10 +1,11 @@
 //! What a map's entry says in other words than its matrix, the camera at the light; and that the matrix's depth range
 //! holds the pixels. Each is derived again, by other code than wrote it.
 
-use super::super::remeasure::Remeasured;
 use super::super::{LightCamera, LightPlan, LightProjection, MapPlan};
+use super::light::knew_pixels;
 use crate::job::Job;
 use crate::math::{first_holding, matrix_from_rows};
+use crate::measure::{Drawn, Receivers};
 use glam::{DMat4, DQuat, DVec3, DVec4};
 
 /// Part of a row's largest entry by which the matrix of a light camera may differ. Its near plane is a difference of
@@ -12,11 +13,10 @@ use glam::{DMat4, DQuat, DVec3, DVec4};
 const CAMERA_ACCURACY: f64 = 1e-9;
 
 /// What does not hold of the maps of a light.
-pub(super) fn faults(entry: &LightPlan, measured: &Remeasured, job: &Job) -> Vec<String> {
+pub(super) fn faults(entry: &LightPlan, receivers: &Receivers, drawn: &[Drawn], job: &Job) -> Vec<String> {
     let mut faults = Vec::new();
-    // Without measuring, the range was found on the planning grid, not for every pixel.
-    if job.quality.measure.measures() {
-        faults.extend(range_faults(measured));
+    if knew_pixels(job) {
+        faults.extend(range_faults(receivers, drawn));
     }
     for (k, map) in entry.maps.iter().enumerate() {
         let camera = map.light_camera.as_ref();
@@ -31,10 +31,9 @@ pub(super) fn faults(entry: &LightPlan, measured: &Remeasured, job: &Job) -> Vec
 }
 
 /// Receivers that look a map up lie within its clip depth. No tolerance: planning leaves a margin free at both ends.
-fn range_faults(measured: &Remeasured) -> Vec<String> {
-    let drawn = &measured.drawn;
+fn range_faults(receivers: &Receivers, drawn: &[Drawn]) -> Vec<String> {
     let mut clipped = vec![0_u64; drawn.len()];
-    for point in &measured.receivers.positions {
+    for point in &receivers.positions {
         let Some(k) = first_holding(drawn.iter().map(|d| &d.domain), *point) else { continue };
         let clip = drawn[k].clip_from_scene * point.extend(1.0);
         let inside = |c: f64| c >= -clip.w && c < clip.w;

@@ -19,8 +19,13 @@ use crate::visibility::{Answer, answer};
 /// viewport 4, twice.
 const ROUNDINGS: f64 = 24.0;
 
-/// What is wrong with a witness of map `k` of a light.
-pub(super) fn fault(seeing: &Seeing, light: &Light, entry: &LightPlan, k: usize, witness: &Witness) -> Option<String> {
+/// What is wrong with a witness of map `k` of a light. `is_shadowed` is the exact answer at a point, where it is known.
+pub(super) fn fault(
+    entry: &LightPlan,
+    k: usize,
+    witness: &Witness,
+    is_shadowed: &impl Fn(DVec3) -> Option<bool>,
+) -> Option<String> {
     let point = DVec3::from(witness.world);
     let map = &entry.maps[k];
     match entry.maps.iter().position(|m| domain::read(&m.domain).holds(point)) {
@@ -36,7 +41,7 @@ pub(super) fn fault(seeing: &Seeing, light: &Light, entry: &LightPlan, k: usize,
     if !agrees {
         return Some(format!("witness {point} has uv and depth {told:?} in the plan, the matrix gives {found:?}"));
     }
-    let shadowed = is_shadowed(seeing, light, point);
+    let shadowed = is_shadowed(point)?;
     (shadowed != witness.shadowed).then(|| {
         let word = |shadowed: bool| if shadowed { "in shadow" } else { "lit" };
         format!("witness {point} is {} in the plan, {} exactly", word(witness.shadowed), word(shadowed))
@@ -59,7 +64,8 @@ fn window(clip_from_scene: &DMat4, point: DVec3) -> Option<([f64; 3], [f64; 3])>
     (clip.w > 0.0).then_some(((ndc * 0.5 + 0.5).to_array(), tolerance))
 }
 
-fn is_shadowed(seeing: &Seeing, light: &Light, point: DVec3) -> bool {
+/// The exact answer at a point.
+pub(super) fn is_shadowed(seeing: &Seeing, light: &Light, point: DVec3) -> bool {
     if let Some((x, y, _)) = seeing.camera.project(seeing.view.film, point) {
         let film = seeing.view.film;
         let inside = x >= 0.0 && y >= 0.0 && x < f64::from(film.width) && y < f64::from(film.height);

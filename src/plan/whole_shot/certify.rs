@@ -2,7 +2,7 @@
 
 use super::super::light_entry::{light_error, map_entries, no_map_needed, not_met_reason, seen, solver_report};
 use super::super::stage::{FrameStage, Stages};
-use super::super::{LightPlan, PlanError, Stage, Status, Watch};
+use super::super::{FromImages, LightPlan, PlanError, Stage, Status, Watch, images};
 use super::held::Held;
 use super::{range, window};
 use crate::math::RigidMotion;
@@ -166,6 +166,7 @@ fn enter(
     let Some(maps) = at(held, held.size) else { return Ok(None) };
     let mut entry = LightPlan::unplanned(here, job.quality.epsilon());
     (entry.cost.samples, entry.cost.rays) = (part.samples, part.rays);
+    entry.images = stage.images.map(|_| FromImages::of(here, job));
     let film = stage.view.map(|view| Receivers::classify(stage.tracer, view, stage.camera, here, stage.offset));
     if part.needed == 0 {
         no_map_needed(&mut entry, part.facing, job);
@@ -190,11 +191,12 @@ fn enter(
     certified.predicted = predict(&regions, &held.fitted.shares, texels);
     let frame_fitted = crate::resolution::FittedLight { regions, ..held.fitted.clone() };
     certified.predicted_at_quantile = predicted_at_quantile(&question, &frame_fitted, texels);
-    let answers = match film {
-        Some(_) => Vec::new(),
-        None => stage.grid.answers(stage.tracer, stage.camera, here, stage.offset),
+    let answers = match (&film, stage.images) {
+        (None, None) => stage.grid.answers(stage.tracer, stage.camera, here, stage.offset),
+        _ => Vec::new(),
     };
-    let seen = seen(stage, &answers, film.as_ref());
+    let receivers = film.as_ref().cloned().or_else(|| stage.images.map(|i| images::receivers(i, here)));
+    let seen = seen(stage, &answers, receivers.as_ref());
     entry.maps = map_entries(&maps, &certified, job, here, stage, &seen);
     entry.status = if certified.met { Status::Planned } else { Status::NotMet };
     if !certified.met {

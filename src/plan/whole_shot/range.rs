@@ -1,15 +1,12 @@
 //! What a segment's depth row has to hold: receivers and casters of all its frames.
 
-use super::super::stage::{FrameStage, Stages};
+use super::super::stage::Stages;
 use super::super::{PlanError, Watch};
 use super::held::Held;
-use crate::depth::{Kept, Visible};
-use crate::measure::Receivers;
+use crate::depth::Kept;
 use crate::resolution::JudgedMap;
-use crate::scene::Light;
-use crate::shot::{Content, LightParts, carry};
-use crate::visibility::Answer;
-use glam::{DVec3, DVec4};
+use crate::shot::{LightParts, carry};
+use glam::DVec4;
 
 /// Finds the depth rows of segments, and what moves in their maps. The inner error is the reason why there is no row.
 pub(super) fn find(
@@ -31,12 +28,11 @@ pub(super) fn find(
                     let Some(carried) = carried else { return Ok(false) };
                     regions.push(carried);
                 }
-                let receivers = visible(stage, here);
-                let receivers = Visible::new(&receivers);
+                let visible = stage.visible(here);
                 for (kept, region) in kept.iter_mut().zip(&regions) {
-                    kept.extend(JudgedMap::kept(region, stage.tracer, &receivers).extremes());
+                    kept.extend(stage.kept(region, &visible, here, stages.job).extremes());
                 }
-                held.contents.insert(frame, Content::in_maps(stage.tracer.geometry(), &regions));
+                held.contents.insert(frame, stage.content(&regions));
                 Ok(true)
             })?;
             if !found {
@@ -53,17 +49,4 @@ pub(super) fn find(
         }
     }
     Ok(Ok(()))
-}
-
-/// The points that look a light's maps up: pixels, or planning-grid positions where nothing is measured.
-fn visible(stage: &FrameStage, light: &Light) -> Vec<DVec3> {
-    match stage.view {
-        Some(view) => Receivers::classify(stage.tracer, view, stage.camera, light, stage.offset).positions,
-        None => {
-            let (tracer, camera) = (stage.tracer, stage.camera);
-            let answers = stage.grid.answers(tracer, camera, light, stage.offset);
-            let facing = (0..answers.len()).filter(|i| answers[*i] != Answer::Unlit);
-            facing.filter_map(|i| stage.grid.surface(tracer, camera, i)).map(|s| s.position).collect()
-        }
-    }
 }

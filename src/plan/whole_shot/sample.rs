@@ -2,10 +2,10 @@
 
 use super::super::light_entry::no_map_needed;
 use super::super::stage::{FrameStage, Stages};
-use super::super::{LightPlan, PlanError, Stage, Watch};
+use super::super::{FromImages, LightPlan, PlanError, Stage, Watch};
 use crate::job::Job;
 use crate::scene::{Camera, Light};
-use crate::shot::{LightPart, LightParts, light_part};
+use crate::shot::{Content, LightPart, LightParts, light_part};
 
 /// What is kept of a shot.
 pub(super) struct Sampled {
@@ -41,6 +41,9 @@ fn part(stage: &FrameStage, light: &Light, job: &Job) -> LightPart {
     let mut part =
         light_part(light, stage.camera, &lit.samples, lit.film.as_ref(), job.map.outside, stage.tracer.geometry());
     part.rays = stage.rays_share + lit.rays;
+    if stage.images.is_some() {
+        part.content = Content::unknown(stage.place);
+    }
     part
 }
 
@@ -48,6 +51,7 @@ fn part(stage: &FrameStage, light: &Light, job: &Job) -> LightPart {
 pub(super) fn needless(stages: &Stages, part: &LightPart) -> LightPlan {
     let mut entry = LightPlan::unplanned(&part.light, stages.job.quality.epsilon());
     (entry.cost.samples, entry.cost.rays) = (part.samples, part.rays);
+    entry.images = stages.images.map(|_| FromImages::of(&part.light, stages.job));
     no_map_needed(&mut entry, part.facing, stages.job);
     entry
 }
