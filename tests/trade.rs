@@ -173,7 +173,7 @@ fn the_command_writes_its_files_and_refuses_what_it_cannot_use() {
     let (code, stdout, stderr) =
         run(with("trade", &[&short[..], &["--json", "t.json", "--svg", "t.svg", "--model", "m.toml"]].concat()));
     assert_eq!(code, Some(0), "{stderr}");
-    assert!(stdout.contains("4 points on 1 lights") && stdout.contains("thorough"), "{stdout}");
+    assert!(stdout.contains("5 points on 1 lights") && stdout.contains("thorough"), "{stdout}");
     assert!(["t.json", "t.svg", "m.toml"].iter().all(|file| dir.path().join(file).exists()));
     let (code, _, stderr) = run(with("plan", &["--time-budget", "50ms", "--time-model", "m.toml", "-o", "p.json"]));
     assert!(matches!(code, Some(0 | 3)), "{stderr}");

@@ -130,7 +130,7 @@ mod tests {
     #[test]
     fn rough_images_allow_more() {
         let (a, u) = (plane(10.0, 2.0), 1e-4);
-        let noisy = |k: f64| a(k) + 0.05 * u * (k * 12.9898).sin();
+        let noisy = |k: f64| a(k) + 0.05 * u * (k * k * 12.9898).sin();
         let of = |f: &dyn Fn(f64) -> f64| {
             let three = |k: u32| acceleration([0.0, 1.0, 2.0].map(|d| f(f64::from(k) + d)), u);
             bent((0..500).map(three).collect())

@@ -26,11 +26,13 @@ impl Kept<'_> {
         let mut found = axes;
         found.extend((0..DIRECTIONS).filter_map(|k| farthest(direction(k) * scale)).map(|v| v / self.w(v)));
         let mean = found.iter().fold(DVec4::ZERO, |s, v| s + *v / found.len() as f64);
-        // Of a point light e = 1/w: a widened far end stays in front of infinity.
-        let least = if low.w > 0.0 { 0.5 * low.w } else { f64::NEG_INFINITY };
+        // Of a point light 1/w is positive: a widened far end stays in front of infinity.
+        let one = self.one();
+        let least = 0.5 * found.iter().map(|v| one.dot(*v)).fold(f64::INFINITY, f64::min);
         let widened = |v: &DVec4| {
             let v = mean + (*v - mean) * (1.0 + WIDENED);
-            DVec4::new(v.x, v.y, v.z, v.w.max(least))
+            let short = least - one.dot(v);
+            if one.w != 0.0 && short > 0.0 { v + DVec4::W * (short / one.w) } else { v }
         };
         found.iter().map(widened).collect()
     }

@@ -55,6 +55,18 @@ fn constant(space: &LightSpace) -> DVec4 {
     }
 }
 
+/// v of a scene point.
+pub(super) fn vector(space: &LightSpace, p: DVec3) -> DVec4 {
+    space.q(p).extend(if e_is_along(space) { space.along(p) } else { 1.0 })
+}
+
+/// v of the point on a lamp's ray through that of `v`, so many times as far from the lamp: q is proportional to the distance,
+/// and e of the lamp is that where q3 is 0.
+pub(super) fn along_its_ray(space: &LightSpace, v: DVec4, times: f64) -> DVec4 {
+    let e = if e_is_along(space) { (v.w + space.offset.z) * times - space.offset.z } else { 1.0 };
+    (v.truncate() * times).extend(e)
+}
+
 impl<'a> Kept<'a> {
     /// What the map `h` keeps when `visible` points in its domain and square look it up, lit ones too.
     pub fn new(tracer: &'a Tracer<'a>, space: &LightSpace, h: &DMat3, visible: &Visible, domain: &Domain) -> Kept<'a> {
@@ -112,7 +124,7 @@ impl<'a> Kept<'a> {
     }
 
     fn vector(&self, p: DVec3) -> DVec4 {
-        self.space.q(p).extend(if e_is_along(&self.space) { self.space.along(p) } else { 1.0 })
+        vector(&self.space, p)
     }
 
     /// The constant 1 as a row on v.

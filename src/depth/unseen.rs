@@ -3,7 +3,7 @@
 //!
 //! Room costs little: bias is drawn from slopes, which scale with the range, and f32 depth resolves far more than a texel.
 
-use super::kept::Kept;
+use super::kept::{Kept, along_its_ray, vector};
 use crate::math::{Domain, LightSpace};
 use glam::{DMat3, DVec3, DVec4};
 
@@ -54,9 +54,11 @@ impl Kept<'_> {
             let nearest = held.iter().map(metres).fold(f64::INFINITY, f64::min);
             let near = unseen.near_m.unwrap_or(nearest * NEAR_PART);
             for p in &held {
-                // Along the ray q only changes its length: v / w = (q / w, 1 / w).
-                let (q, w, distance) = (space.q(*p), p4.dot(space.q(*p)), metres(p));
-                let at = |metres: f64| (q / w).extend(distance / (metres * w));
+                let (v, distance) = (vector(space, *p), metres(p));
+                let at = |metres: f64| {
+                    let v = along_its_ray(space, v, metres / distance);
+                    v / p4.dot(v.truncate())
+                };
                 points.push(at(distance.max(unseen.far_m.unwrap_or(distance))));
                 points.push(at(distance.min(near)));
             }
