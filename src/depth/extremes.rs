@@ -6,8 +6,9 @@ use glam::DVec4;
 /// Directions in which extremes are kept.
 const DIRECTIONS: usize = 400;
 /// Points between those directions may stand out of the hull of the extremes: it is widened by this part of its extent. A
-/// smooth body stands out by 1 - cos of half the angle between neighbouring directions, 0.3 % for 400 of them.
-const WIDENED: f64 = 0.01;
+/// smooth body stands out by 1 - cos of half the angle between neighbouring directions, 0.3 % for 400 of them; a corner that
+/// no direction found, by more.
+const WIDENED: f64 = 0.05;
 
 impl Kept<'_> {
     /// Points v/w whose convex hull holds everything kept. What the depth row depends on is the hull of v/w; under the same
