@@ -22,6 +22,7 @@ Examples:
   lixel plan shot.toml -o shot.plan.json
   lixel plan scene.glb --camera Main --frames 1-240x2 --preset draft
   lixel plan shot.toml --format toml | less
+  lixel plan shot.toml --work shot.work -o shot.plan.json     (again after an interruption: goes on)
 
 Exit codes: 0 every bound met, 1 failure, 2 bad input, 3 plan written with a bound not met, 130/143 stopped.")]
 pub(super) struct PlanArgs {
@@ -30,9 +31,11 @@ pub(super) struct PlanArgs {
     /// Where the plan goes; `-` is standard output
     #[arg(long, short, value_name = "FILE", default_value = "-")]
     output: PathBuf,
-    /// Format of the plan [default: by the extension of FILE, else json]
-    #[arg(long, value_parser = values::<Format>())]
-    format: Option<String>,
+    #[command(flatten)]
+    format: FormatFlag,
+    /// Keep finished frames in this folder, and go on from there after an interruption
+    #[arg(long, value_name = "DIR")]
+    work: Option<PathBuf>,
     /// Put wall times into the plan, which then differs from run to run
     #[arg(long)]
     timings: bool,
@@ -43,35 +46,52 @@ pub(super) struct PlanArgs {
 pub(super) fn run(args: &PlanArgs, quiet: bool, signals: &Signals) -> Result<ExitCode, Failure> {
     args.job.one_temporal()?;
     let job = lixel::job::load(&args.input, &args.job.overrides()).map_err(|e| Failure::job(e, &args.job))?;
-    let dest = if args.output == Path::new("-") { Dest::Stdout } else { Dest::File(args.output.clone()) };
-    dest.check()?;
-    let plan_dir = match &dest {
-        Dest::File(path) => path.parent().unwrap_or(Path::new("")),
-        Dest::Stdout => Path::new(""),
-    };
+    let dest = args.format.dest(&args.output)?;
     let plan = {
         let bar = Bar::new(quiet);
         let watch =
             Watch { progress: &|p| bar.show(p), cancel: signals.cancel(), notes: &|text| report::remark(quiet, text) };
-        let plan = lixel::plan::make(&job, plan_dir, args.timings, &watch)?;
+        let plan = lixel::plan::make_in(&job, dest.dir(), args.timings, args.work.as_deref(), &watch)?;
         watch.check()?;
         plan
     };
-    lixel::plan::write(&plan, &dest, format(args, &dest))?;
-    if !quiet {
-        report::note(&summary(&plan));
-    }
-    Ok(ExitCode::from(if plan.summary.met { MET } else { NOT_MET }))
+    written(&plan, &dest, &args.format, quiet)
 }
 
-fn format(args: &PlanArgs, dest: &Dest) -> Format {
-    let name = match (&args.format, dest) {
-        (Some(name), _) => name.clone(),
-        (None, Dest::File(path)) => path.extension().unwrap_or_default().to_string_lossy().to_lowercase(),
-        (None, Dest::Stdout) => String::new(),
-    };
-    let parsed: Result<Format, serde::de::value::Error> = Format::deserialize(StrDeserializer::new(&name));
-    parsed.unwrap_or_default()
+/// How a plan is written.
+#[derive(Args)]
+pub(super) struct FormatFlag {
+    /// Format of the plan [default: by the extension of FILE, else json]
+    #[arg(long, value_parser = values::<Format>())]
+    format: Option<String>,
+}
+
+impl FormatFlag {
+    /// Where a plan goes, once that could be written to.
+    pub(super) fn dest(&self, output: &Path) -> Result<Dest, Failure> {
+        let dest = if output == Path::new("-") { Dest::Stdout } else { Dest::File(output.to_owned()) };
+        dest.check()?;
+        Ok(dest)
+    }
+
+    fn of(&self, dest: &Dest) -> Format {
+        let name = match (&self.format, dest) {
+            (Some(name), _) => name.clone(),
+            (None, Dest::File(path)) => path.extension().unwrap_or_default().to_string_lossy().to_lowercase(),
+            (None, Dest::Stdout) => String::new(),
+        };
+        let parsed: Result<Format, serde::de::value::Error> = Format::deserialize(StrDeserializer::new(&name));
+        parsed.unwrap_or_default()
+    }
+}
+
+/// Writes a plan and says what it came to.
+pub(super) fn written(plan: &Plan, dest: &Dest, format: &FormatFlag, quiet: bool) -> Result<ExitCode, Failure> {
+    lixel::plan::write(plan, dest, format.of(dest))?;
+    if !quiet {
+        report::note(&summary(plan));
+    }
+    Ok(ExitCode::from(if plan.summary.met { MET } else { NOT_MET }))
 }
 
 /// The outcome in a few lines: what was planned, and what does not meet its bound.

@@ -75,7 +75,7 @@ impl<'a> Kept<'a> {
         kept
     }
 
-    /// What lies in the hull of points v/w, such as the [`Kept::extremes`] of several frames.
+    /// What lies in the hull of points v/w, v/w under the same homography.
     pub fn of_points(space: &LightSpace, h: &DMat3, points: Vec<DVec4>) -> Kept<'a> {
         let planes = [DVec4::ZERO; 6];
         let empty = points.is_empty();

@@ -12,12 +12,13 @@
 //! looks the map up. Both are one linear program in four unknowns on homogeneous vectors (q, e), e = 1 or d.
 
 mod bias;
-mod extremes;
 mod kept;
+mod reach;
 mod row;
 mod visible;
 
 pub use bias::{BiasUnits, CONSTANT_F32, bias_units};
 pub use kept::Kept;
+pub use reach::reach;
 pub use row::{DepthError, DepthRow, fit_row};
 pub use visible::Visible;

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
-use super::SCHEMA;
+use super::{PartError, SCHEMA};
 use crate::raster::RasterError;
 use crate::scene::SceneError;
 
@@ -18,6 +18,9 @@ pub enum PlanError {
     /// A map that cannot be drawn.
     #[error(transparent)]
     Raster(#[from] RasterError),
+    /// A part of a shot, or what parts do not come to.
+    #[error(transparent)]
+    Part(#[from] PartError),
     /// The caller asked to stop.
     #[error("interrupted")]
     Cancelled,

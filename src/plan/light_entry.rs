@@ -7,31 +7,28 @@ use crate::job::Job;
 use crate::math::first_holding;
 use crate::measure::{EDGE_ON_DEGREES, Outside, Receivers};
 use crate::resolution::{Bound, Certified, FittedLight, Judge, JudgedMap, certify, fit_light, polish, predict_only};
-use crate::samples::LightSamples;
 use crate::scene::{Film, Light};
+use crate::shot::in_frame;
 use crate::visibility::Answer;
 use std::time::Instant;
 
 /// Most visible points kept for bias, witnesses and round trips.
 const SEEN_MAX: usize = 4096;
 
-/// What may replace the regions that were fitted for a frame.
-pub(super) type Choose<'a> = dyn FnMut(FittedLight, &LightSamples) -> FittedLight + 'a;
-
-/// Plans one light. `timings` adds wall time; `choose` has the last word on the regions before sizes are measured.
+/// Plans one light. `timings` adds wall time; `given` are the regions to measure, where they are not to be fitted here.
 pub(super) fn light_entry(
     stage: &FrameStage,
     light: &Light,
     job: &Job,
     timings: bool,
-    choose: Option<&mut Choose>,
+    given: Option<&FittedLight>,
 ) -> Result<LightPlan, PlanError> {
     let start = Instant::now();
     let mut entry = LightPlan::unplanned(light, job.quality.epsilon());
     let lit = stage.look(light, job);
     entry.cost.samples = lit.samples.edges.len() as u64;
     entry.cost.rays = stage.rays_share + lit.rays;
-    settle(stage, light, job, &lit, &mut entry, choose)?;
+    settle(stage, light, job, &lit, &mut entry, given)?;
     if timings {
         entry.cost.milliseconds = Some(start.elapsed().as_secs_f64() * 1e3);
     }
@@ -45,7 +42,7 @@ fn settle(
     job: &Job,
     lit: &Lit,
     entry: &mut LightPlan,
-    choose: Option<&mut Choose>,
+    given: Option<&FittedLight>,
 ) -> Result<(), PlanError> {
     let (samples, film, answers) = (&lit.samples, lit.film.as_ref(), &lit.answers);
     let (facing, shadowed) = match film {
@@ -58,17 +55,17 @@ fn settle(
         return Ok(());
     }
     let question = stage.question(light, job);
-    let mut fitted = match fit_light(&question, samples, film) {
+    let found = match given {
+        Some(given) => Ok(FittedLight { regions: in_frame(&given.regions, &samples.edges), ..given.clone() }),
+        None => fit_light(&question, samples, film),
+    };
+    let mut fitted = match found {
         Ok(fitted) => fitted,
         Err(reason) => {
             (entry.status, entry.reason) = (Status::Inapplicable, Some(reason.to_string()));
             return Ok(());
         }
     };
-    let polishes = choose.is_none();
-    if let Some(choose) = choose {
-        fitted = choose(fitted, samples);
-    }
     let seen = seen(stage, answers, film);
     let (maps, certified) = match (film, stage.view) {
         (Some(film), Some(view)) => {
@@ -80,7 +77,7 @@ fn settle(
                     return Ok(());
                 }
             };
-            if polishes {
+            if given.is_none() {
                 polish(&question, samples, &mut fitted, &mut judge)?;
             }
             let certified = certify(&question, &fitted, &mut judge)?;

@@ -1,17 +1,14 @@
-//! From a job to a plan: the stages in order, frame by frame.
+//! From a job to a plan: its files before the stages (`pieces`), and the whole after them.
 
 use std::path::Path;
 
-use super::light_entry::light_entry;
 use super::stage::Stages;
 use super::{
-    FramePlan, LightPlan, Plan, PlanCamera, PlanError, PlannedJob, Stage, Watch, across, hash_inputs, relative_path,
-    whole_shot,
+    FramePlan, LightPlan, Plan, PlanCamera, PlanError, PlannedJob, Stage, Watch, hash_inputs, make_in, relative_path,
 };
 use crate::job::{Job, LoadedJob};
 use crate::math::rows_of;
 use crate::scene::{self, Camera, Film, FrameTime, Shot, ShotParams};
-use crate::shot::Temporal;
 
 /// Reads the files of a job.
 pub(crate) fn load_shot(job: &LoadedJob) -> Result<Shot, PlanError> {
@@ -33,50 +30,48 @@ pub(crate) fn load_shot(job: &LoadedJob) -> Result<Shot, PlanError> {
 /// # Errors
 /// [`PlanError::Cancelled`] soon after the watch asks to stop; else what stands in the way.
 pub fn make(loaded: &LoadedJob, plan_dir: &Path, timings: bool, watch: &Watch) -> Result<Plan, PlanError> {
-    watch.step(Stage::Load, 0, 1)?;
-    let shot = load_shot(loaded)?;
-    let solver = loaded.job.solver.in_scene_space(shot.scene.origin);
-    let job = &Job { solver, ..loaded.job.clone() };
-    for note in &shot.scene.notes {
-        watch.note(note);
+    make_in(loaded, plan_dir, timings, None, watch)
+}
+
+/// A job with its files read.
+pub(super) struct Loaded<'a> {
+    /// As it was given.
+    pub(super) given: &'a LoadedJob,
+    /// In scene space.
+    pub(super) job: Job,
+    pub(super) shot: Shot,
+}
+
+impl<'a> Loaded<'a> {
+    /// Reads the files.
+    pub(super) fn new(given: &'a LoadedJob, watch: &Watch) -> Result<Loaded<'a>, PlanError> {
+        watch.step(Stage::Load, 0, 1)?;
+        let shot = load_shot(given)?;
+        let solver = given.job.solver.in_scene_space(shot.scene.origin);
+        let job = Job { solver, ..given.job.clone() };
+        for note in &shot.scene.notes {
+            watch.note(note);
+        }
+        Ok(Loaded { given, job, shot })
     }
-    let stages = Stages::new(&shot, job);
-    watch.step(Stage::Load, 1, 1)?;
-    let mode = if shot.frames.len() > 1 { job.shot.temporal } else { Temporal::PerFrame };
-    let mut frames = match mode {
-        Temporal::PerFrame => per_frame(&stages, timings, watch)?,
-        _ => whole_shot::plan(&stages, timings, watch)?,
-    };
-    if shot.frames.len() > 1 {
-        across::complete(&stages, &mut frames, watch)?;
+
+    /// Sorts the still triangles.
+    pub(super) fn stages(&self) -> Stages<'_> {
+        Stages::new(&self.shot, &self.job)
     }
+}
+
+/// The plan of all frames.
+pub(super) fn finished(loaded: &Loaded, plan_dir: &Path, frames: Vec<FramePlan>) -> Result<Plan, PlanError> {
+    let Loaded { given, shot, .. } = loaded;
     let inputs = hash_inputs(&shot.scene.inputs, plan_dir)?;
-    let mut resolved = loaded.job.clone();
-    resolved.scene = loaded.scene_files().iter().map(|f| f.at(relative_path(f.path(), plan_dir).into())).collect();
-    resolved.camera.file = loaded.camera().file.map(|file| relative_path(&file, plan_dir).into());
+    let mut resolved = given.job.clone();
+    resolved.scene = given.scene_files().iter().map(|f| f.at(relative_path(f.path(), plan_dir).into())).collect();
+    resolved.camera.file = given.camera().file.map(|file| relative_path(&file, plan_dir).into());
     if !shot.scene.animations.is_empty() {
         resolved.animation = Some(shot.scene.animations.clone());
     }
     Ok(Plan::new(PlannedJob { job: resolved, inputs }, shot.scene.origin.to_array(), frames))
-}
-
-/// Each frame for itself.
-fn per_frame(stages: &Stages, timings: bool, watch: &Watch) -> Result<Vec<FramePlan>, PlanError> {
-    let mut done = 0;
-    let mut frame_plan = |k: usize| {
-        stages.with(k, |stage, frame| {
-            let total = (stages.len() * frame.lights.len()) as u64;
-            let mut lights = Vec::with_capacity(frame.lights.len());
-            for light in &frame.lights {
-                watch.step(Stage::Lights, done, total)?;
-                lights.push(light_entry(stage, light, stages.job, timings, None)?);
-                done += 1;
-            }
-            watch.step(Stage::Lights, done, total)?;
-            Ok(frame_entry(stages.time(k), &frame.camera, stage.film, lights))
-        })
-    };
-    (0..stages.len()).map(&mut frame_plan).collect()
 }
 
 /// A frame of the plan.

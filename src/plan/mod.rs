@@ -1,6 +1,5 @@
 //! The plan: the versioned result of planning a shot, its JSON and TOML files, and checking one later.
 
-mod across;
 mod conventions;
 mod domain;
 mod error;
@@ -10,6 +9,7 @@ mod light_camera;
 mod light_entry;
 mod make;
 mod map_entry;
+mod pieces;
 mod read;
 mod remeasure;
 mod render;
@@ -25,6 +25,7 @@ pub use error::PlanError;
 pub use inputs::{Input, hash_inputs, relative_path, sha256_hex};
 pub(crate) use make::load_shot;
 pub use make::make;
+pub use pieces::{Merged, PartError, certify, make_in, merge, sample, solve};
 pub use read::{parse, read};
 pub use render::render;
 pub use types::*;

@@ -7,6 +7,7 @@ use crate::measure::{Outside, Receivers};
 use crate::resolution::{FilmQuestion, Measure};
 use crate::samples::{Grid, GridView, LightSamples, LightView, sample_light};
 use crate::scene::{Camera, Film, FrameTime, Light, SceneFrame, Shot};
+use crate::shot::Temporal;
 use crate::visibility::{Answer, Bvh, RayOffset, Tracer, View, classify, see};
 
 /// What a frame gives to each of its lights.
@@ -129,7 +130,7 @@ impl<'a> Stages<'a> {
         frame: usize,
         work: impl FnOnce(&FrameStage, &SceneFrame) -> Result<R, PlanError>,
     ) -> Result<R, PlanError> {
-        self.set(frame, true, work)
+        Ok(self.set(frame, true, work)?.0)
     }
 
     /// The same for who asks the film alone: where it is measured, the planning grid is empty.
@@ -141,15 +142,19 @@ impl<'a> Stages<'a> {
         frame: usize,
         work: impl FnOnce(&FrameStage, &SceneFrame) -> Result<R, PlanError>,
     ) -> Result<R, PlanError> {
-        self.set(frame, !measures(self.job), work)
+        Ok(self.set(frame, !measures(self.job), work)?.0)
     }
 
-    fn set<R>(
+    /// Sets the stage of a frame, with its planning grid seen or empty, and hands it over; gives back the posed frame.
+    ///
+    /// # Errors
+    /// When the frame has no pose; and those of `work`.
+    pub(super) fn set<R>(
         &self,
         frame: usize,
         grid: bool,
         work: impl FnOnce(&FrameStage, &SceneFrame) -> Result<R, PlanError>,
-    ) -> Result<R, PlanError> {
+    ) -> Result<(R, Posed), PlanError> {
         let (shot, job) = (self.shot, self.job);
         let posed = Posed::new(shot, self.time(frame).time_s)?;
         let (tracer, frame) = (posed.tracer(shot, &self.still), &posed.frame);
@@ -173,7 +178,13 @@ impl<'a> Stages<'a> {
             offset: RayOffset::for_scene(&tracer),
             rays_share: (primary / frame.lights.len().max(1)) as u64,
         };
-        work(&stage, frame)
+        let done = work(&stage, frame)?;
+        Ok((done, posed))
+    }
+
+    /// The mode by which the shot is planned: one frame has no other.
+    pub(super) fn mode(&self) -> Temporal {
+        if self.len() > 1 { self.job.shot.temporal } else { Temporal::PerFrame }
     }
 }
 

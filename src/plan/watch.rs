@@ -11,10 +11,10 @@ pub enum Stage {
     Load,
     /// Sampling the frames of a shot; counted in frames.
     Samples,
-    /// Planning, measuring or drawing; counted in lights of frames.
+    /// Cutting a shot into segments and deciding them; counted in lights.
+    Solve,
+    /// Measuring or drawing; counted in frames of a shot, or in its lights.
     Lights,
-    /// Comparing the frames of a planned shot with the ones before them; counted in frames.
-    Flicker,
 }
 
 /// How far a stage is.

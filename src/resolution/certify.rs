@@ -7,9 +7,10 @@ use super::{Bound, FilmQuestion, FittedLight, Probe, SizeGrid, smallest};
 use crate::measure::{Drawn, UNCERTAIN_SLACK, Verdict};
 use crate::methods::Prediction;
 use crate::raster::{Bias, RasterError};
+use serde::{Deserialize, Serialize};
 
 /// One size that was tried.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub struct Trial {
     /// Texels of each map.
     pub sizes: Vec<[u32; 2]>,

@@ -9,10 +9,11 @@ use crate::math::{LightSpace, convex_hull};
 use crate::methods::Region;
 use crate::scene::{Light, Triangle};
 use glam::{DVec2, DVec3};
+use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 /// What moves in a map, in one frame: a SHA-256 of the triangles; all zero for none.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 pub struct Content([u8; 32]);
 
 impl Content {

@@ -1,0 +1,196 @@
+//! How far along the light a frame's maps have to reach, whatever their matrices come to be.
+//!
+//! A depth row has to hold the receivers that look a map up and their casters, over all frames that share the map. Which
+//! these are hangs on the map's square, which is settled after the frames were seen; so each frame keeps, over the box of
+//! what it has to cover, a grid of tiles as seen from the light, and of each tile that holds receivers the nearest and the
+//! farthest thing that a map of the tile alone would keep ([`Kept`]). Later the corners of the tiles' near and far ends
+//! stand for what is between them: their hull holds it.
+
+use super::kept::Kept;
+use super::visible::Visible;
+use crate::math::{Domain, LightSpace};
+use crate::scene::Light;
+use crate::visibility::Tracer;
+use glam::{DMat3, DVec2, DVec3, DVec4};
+use rayon::prelude::*;
+
+/// Tiles along a side of the box. Depth within a tile is taken to be that of its extremes, so that a row that follows a
+/// slope is wider than it need be by what the slope rises in a tile.
+const TILES: u32 = 8;
+/// The hull of the corners is widened by this part of its extent: the square of the map may pass the box a little.
+const WIDENED: f64 = 0.01;
+/// Half side of a box without extent, relative to the distance or in metres: a cover of one point still has depth.
+const THIN: f64 = 1e-6;
+
+/// The ends of the tiles of one light in one frame: scene points, empty when nothing is covered. `cover` are the points
+/// that maps have to hold, `visible` those that may look a map up.
+pub fn reach(tracer: &Tracer, light: &Light, cover: &[DVec3], visible: &Visible) -> Vec<DVec3> {
+    let Some(position) = light.position() else {
+        return match LightSpace::around(light, cover) {
+            Ok(space) => tiles(tracer, &space, cover, visible),
+            Err(_) => Vec::new(),
+        };
+    };
+    let mut ends = Vec::new();
+    for face in 0..6 {
+        let (axis, positive) = (face / 2, face % 2 == 0);
+        let domain = Domain::CubeFace { position, axes: DVec3::AXES, axis, positive };
+        let inside: Vec<DVec3> = cover.iter().copied().filter(|p| domain.holds(*p)).collect();
+        let direction = DVec3::AXES[axis] * if positive { 1.0 } else { -1.0 };
+        let space = LightSpace::perspective(position, direction, position + direction);
+        ends.extend(tiles(tracer, &space, &inside, visible));
+    }
+    ends
+}
+
+/// The tiles over the box of some points in one light plane.
+fn tiles(tracer: &Tracer, space: &LightSpace, cover: &[DVec3], visible: &Visible) -> Vec<DVec3> {
+    let flat = cover.iter().map(|p| space.q(*p)).filter(|q| q.z > 0.0).map(|q| q.truncate() / q.z);
+    let (low, high) = flat.fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(l, h), p| (l.min(p), h.max(p)));
+    if !(low.is_finite() && high.is_finite()) {
+        return Vec::new();
+    }
+    let thin = THIN * (1.0 + low.abs().max(high.abs()).max_element());
+    let (low, high) = (low - thin, high + thin);
+    let side = (high - low) / f64::from(TILES);
+    let tile = |k: u32| -> Vec<DVec3> {
+        let at = low + side * DVec2::new(f64::from(k % TILES), f64::from(k / TILES));
+        ends(tracer, space, [at, at + side], visible)
+    };
+    (0..TILES * TILES).into_par_iter().flat_map_iter(tile).collect()
+}
+
+/// The corners of a tile at the depths of the nearest and the farthest thing kept; none where nothing looks it up.
+fn ends(tracer: &Tracer, space: &LightSpace, [low, high]: [DVec2; 2], visible: &Visible) -> Vec<DVec3> {
+    let (scale, shift) = (DVec2::ONE / (high - low), -low / (high - low));
+    let rows = [DVec3::new(scale.x, 0.0, shift.x), DVec3::new(0.0, scale.y, shift.y), DVec3::Z];
+    let h = DMat3::from_cols(rows[0], rows[1], rows[2]).transpose();
+    let kept = Kept::new(tracer, space, &h, visible, &Domain::All);
+    if kept.is_empty() {
+        return Vec::new();
+    }
+    // Depth along the light is e of a directional light, q3 = 1 / (e / q3) of the others.
+    let sign = if space.directional { 1.0 } else { -1.0 };
+    let depth_of = |v: DVec4| if space.directional { v.w } else { v.z };
+    let extreme = |sign: f64| kept.largest(DVec4::W * sign, DVec4::Z, f64::NEG_INFINITY, 0.0).map(|(_, v)| depth_of(v));
+    let depths = [extreme(-sign), extreme(sign)].into_iter().flatten();
+    let corners = [low, DVec2::new(high.x, low.y), DVec2::new(low.x, high.y), high];
+    depths.flat_map(|depth| corners.map(|at| point(space, at, depth))).filter(|p| p.is_finite()).collect()
+}
+
+/// The scene point at a place of the plane q3 = 1 and a depth along the light: metres past the plane's centre for a
+/// directional light, from the light for others.
+fn point(space: &LightSpace, at: DVec2, depth: f64) -> DVec3 {
+    let along = if space.directional { at.extend(depth) } else { (at * depth).extend(depth) - space.offset };
+    space.center + space.axes[0] * along.x + space.axes[1] * along.y + space.axes[2] * along.z
+}
+
+impl<'a> Kept<'a> {
+    /// What lies in the hull of scene points, such as the [`reach`] and the covers of several frames; those beside the
+    /// square of the map `h` are moved to its border at the same depth.
+    pub fn of_reach(space: &LightSpace, h: &DMat3, points: impl IntoIterator<Item = DVec3>) -> Kept<'a> {
+        let inverse = h.inverse();
+        let within = |p: DVec3| -> Option<DVec4> {
+            let q = space.q(p);
+            let m = *h * q;
+            if m.z <= 0.0 || q.z <= 0.0 {
+                return None;
+            }
+            let uv = (m.truncate() / m.z).clamp(DVec2::ZERO, DVec2::ONE);
+            let there = inverse * uv.extend(1.0);
+            let moved = there * (q.z / there.z);
+            let w = h.row(2).dot(moved);
+            let e = if space.directional { space.along(p) } else { 1.0 };
+            let v = moved.extend(e) / w;
+            (there.z > 0.0 && w > 0.0 && v.is_finite()).then_some(v)
+        };
+        let found: Vec<DVec4> = points.into_iter().filter_map(within).collect();
+        let mean = found.iter().fold(DVec4::ZERO, |s, v| s + *v / found.len() as f64);
+        let nearest = found.iter().fold(f64::INFINITY, |m, v| m.min(v.w));
+        // Of a point light e = 1/w: a widened far end stays in front of infinity.
+        let least = if space.directional { f64::NEG_INFINITY } else { 0.5 * nearest };
+        let widened = |v: &DVec4| {
+            let v = mean + (*v - mean) * (1.0 + WIDENED);
+            DVec4::new(v.x, v.y, v.z, v.w.max(least))
+        };
+        Kept::of_points(space, h, found.iter().map(widened).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::depth::fit_row;
+    use crate::scene::{Geometry, LightKind, Triangle};
+    use crate::visibility::Bvh;
+    use glam::Vec3;
+
+    /// Rolling ground, and triangles above it.
+    fn triangles() -> Vec<Triangle> {
+        let at = |i: u32, k: u32| {
+            let (x, z) = (i as f32 * 0.5 - 5.0, k as f32 * 0.5 - 5.0);
+            Vec3::new(x, (x * 1.3).sin() * 0.4 + (z * 0.9).cos() * 0.3, z)
+        };
+        let cells = (0..20).flat_map(|i| (0..20).map(move |k| (i, k)));
+        let ground = cells.flat_map(|(i, k)| {
+            [[at(i, k), at(i + 1, k), at(i, k + 1)], [at(i + 1, k), at(i + 1, k + 1), at(i, k + 1)]]
+        });
+        let above = (0..30_u16).map(|i| {
+            let f = f32::from(i);
+            let p = Vec3::new((f * 1.7).sin() * 3.0, 1.0 + (f * 0.61).sin().abs() * 2.0, (f * 2.3).cos() * 3.0);
+            [p, p + Vec3::new(0.5, 0.1, 0.1), p + Vec3::new(0.1, 0.2, 0.6)]
+        });
+        ground.chain(above).collect()
+    }
+
+    #[test]
+    fn a_row_over_the_reach_holds_receivers_and_casters() {
+        let triangles = triangles();
+        let bvh = Bvh::build(&triangles);
+        let tracer = Tracer::new(Geometry::plain(&triangles, &[]), &bvh, None);
+        let ground: Vec<DVec3> =
+            triangles[..800].iter().map(|t| t.iter().map(|v| v.as_dvec3()).sum::<DVec3>() / 3.0).collect();
+        let cover: Vec<DVec3> = ground.iter().copied().filter(|p| p.length() < 3.0).collect();
+        for kind in [
+            LightKind::Directional { direction: DVec3::new(0.4, -1.0, 0.2).normalize() },
+            LightKind::Point { position: DVec3::new(2.0, 9.0, -3.0), range: None },
+        ] {
+            let light = Light { name: "l".into(), kind };
+            let ends = reach(&tracer, &light, &cover, &Visible::new(&ground));
+            assert!(!ends.is_empty() && ends.len() <= 6 * 8 * (TILES * TILES) as usize);
+            let space = LightSpace::around(&light, &cover).unwrap();
+            // A map of the box of the cover, warped a little.
+            let flat: Vec<DVec2> = cover.iter().map(|p| space.q(*p)).map(|q| q.truncate() / q.z).collect();
+            let low = flat.iter().fold(DVec2::INFINITY, |m, p| m.min(*p));
+            let size = flat.iter().fold(DVec2::NEG_INFINITY, |m, p| m.max(*p)) - low;
+            let p4 = DVec3::new(0.1 / size.x, 0.0, 1.0 - 0.1 * low.x / size.x);
+            let rows = [DVec3::new(1.0 / size.x, 0.0, -low.x / size.x), DVec3::new(0.0, 1.0 / size.y, -low.y / size.y)];
+            let h = DMat3::from_cols(rows[0], rows[1], p4).transpose();
+            let row = fit_row(&Kept::of_reach(&space, &h, ends.iter().chain(&cover).copied()), false).unwrap();
+            let m = space.clip_from_scene(&h, row.row);
+            let exact = Kept::new(&tracer, &space, &h, &Visible::new(&cover), &Domain::All);
+            let inside = |v: &DVec4| {
+                let p = point(&space, v.truncate().truncate() / v.z, if space.directional { v.w } else { v.z });
+                let clip = m * p.extend(1.0);
+                // The border that `Kept` leaves around the square is none of the reach's.
+                let uv = clip.truncate().truncate() / clip.w;
+                uv.cmplt(DVec2::ZERO).any() || uv.cmpgt(DVec2::ONE).any() || (clip.z / clip.w).abs() <= 1.0
+            };
+            let list = exact.list();
+            assert!(list.len() > 100 && list.iter().all(inside));
+        }
+    }
+
+    #[test]
+    fn nothing_covered_reaches_nowhere() {
+        let triangles = triangles();
+        let bvh = Bvh::build(&triangles);
+        let tracer = Tracer::new(Geometry::plain(&triangles, &[]), &bvh, None);
+        let light = Light { name: "l".into(), kind: LightKind::Directional { direction: DVec3::NEG_Y } };
+        assert!(reach(&tracer, &light, &[], &Visible::new(&[DVec3::ZERO])).is_empty());
+        // A single point: a map without extent still has a depth.
+        let one = [DVec3::new(0.1, 0.0, 0.1)];
+        let ends = reach(&tracer, &light, &one, &Visible::new(&one));
+        assert!(ends.iter().all(|p| p.is_finite()));
+    }
+}
