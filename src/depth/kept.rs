@@ -158,14 +158,14 @@ impl Kept<'_> {
 
 /// Scratch of clipping.
 #[derive(Default)]
-struct Polygon {
-    corners: Vec<DVec4>,
+pub(super) struct Polygon {
+    pub(super) corners: Vec<DVec4>,
     clipped: Vec<DVec4>,
 }
 
 impl Polygon {
     /// The part of a triangle inside half-spaces.
-    fn clip(&mut self, triangle: [DVec4; 3], planes: &[DVec4]) {
+    pub(super) fn clip(&mut self, triangle: [DVec4; 3], planes: &[DVec4]) {
         self.corners.clear();
         self.corners.extend(triangle);
         for plane in planes {

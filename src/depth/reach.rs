@@ -1,12 +1,13 @@
 //! How far along the light a frame's maps have to reach, whatever their matrices come to be.
 //!
 //! A depth row has to hold the receivers that look a map up and their casters, over all frames that share the map. Which
-//! these are hangs on the map's square, which is settled after the frames were seen; so each frame keeps, over the box of
-//! what it has to cover, a grid of tiles as seen from the light, and of each tile that holds receivers the nearest and the
-//! farthest thing that a map of the tile alone would keep ([`Kept`]). Later the corners of the tiles' near and far ends
+//! these are hangs on the map's square, which is settled after the frames were seen; so each frame keeps a grid of tiles as
+//! seen from the light, and of each tile that holds receivers the nearest and the farthest thing that a map of the tile alone
+//! would keep ([`Kept`]). Tiles are fine over the box of what the frame has to cover, and in rings around it twice as large
+//! each: maps are little larger than what they cover. Later the near and far ends of the tiles, cut at the map's square,
 //! stand for what is between them: their hull holds it.
 
-use super::kept::Kept;
+use super::kept::{Kept, Polygon};
 use super::visible::Visible;
 use crate::math::{Domain, LightSpace};
 use crate::scene::Light;
@@ -14,15 +15,19 @@ use crate::visibility::Tracer;
 use glam::{DMat3, DVec2, DVec3, DVec4};
 use rayon::prelude::*;
 
-/// Tiles along a side of the box. Depth within a tile is taken to be that of its extremes, so that a row that follows a
-/// slope is wider than it need be by what the slope rises in a tile.
+/// Tiles along a side of the box, and of each ring. Depth within a tile is taken to be that of its extremes, so that a row
+/// that follows a slope is wider than it need be by what the slope rises in a tile.
 const TILES: u32 = 8;
-/// The hull of the corners is widened by this part of its extent: the square of the map may pass the box a little.
-const WIDENED: f64 = 0.01;
+/// Rings around the box: the last one ends 32 times as far out as the box. What is beyond holds no depth row.
+const RINGS: u32 = 5;
+/// The hull of the tiles' ends is widened by this part of its extent, for rounding.
+const WIDENED: f64 = 1e-3;
+/// Room left around the square of a map, as [`Kept`] does for casters.
+const BORDER: f64 = 0.01;
 /// Half side of a box without extent, relative to the distance or in metres: a cover of one point still has depth.
 const THIN: f64 = 1e-6;
 
-/// The ends of the tiles of one light in one frame: scene points, empty when nothing is covered. `cover` are the points
+/// The ends of the tiles of one light in one frame: scene points, four corners an end; empty when nothing is covered. `cover` are the points
 /// that maps have to hold, `visible` those that may look a map up.
 pub fn reach(tracer: &Tracer, light: &Light, cover: &[DVec3], visible: &Visible) -> Vec<DVec3> {
     let Some(position) = light.position() else {
@@ -52,12 +57,22 @@ fn tiles(tracer: &Tracer, space: &LightSpace, cover: &[DVec3], visible: &Visible
     }
     let thin = THIN * (1.0 + low.abs().max(high.abs()).max_element());
     let (low, high) = (low - thin, high + thin);
-    let side = (high - low) / f64::from(TILES);
+    let (middle, half) = ((low + high) * 0.5, (high - low) * 0.5);
+    // Ring 0 is the box; of the others the tiles of the half as large one before are left out.
     let tile = |k: u32| -> Vec<DVec3> {
-        let at = low + side * DVec2::new(f64::from(k % TILES), f64::from(k / TILES));
-        ends(tracer, space, [at, at + side], visible)
+        let (ring, k) = (k / (TILES * TILES), k % (TILES * TILES));
+        let (column, row) = (k % TILES, k / TILES);
+        let inner = TILES / 4..TILES - TILES / 4;
+        if ring > 0 && inner.contains(&column) && inner.contains(&row) {
+            return Vec::new();
+        }
+        let half = half * 2.0_f64.powi(ring as i32);
+        let at = |column: u32, row: u32| {
+            middle + half * (DVec2::new(f64::from(column), f64::from(row)) * (2.0 / f64::from(TILES)) - 1.0)
+        };
+        ends(tracer, space, [at(column, row), at(column + 1, row + 1)], visible)
     };
-    (0..TILES * TILES).into_par_iter().flat_map_iter(tile).collect()
+    (0..(RINGS + 1) * TILES * TILES).into_par_iter().flat_map_iter(tile).collect()
 }
 
 /// The corners of a tile at the depths of the nearest and the farthest thing kept; none where nothing looks it up.
@@ -74,8 +89,9 @@ fn ends(tracer: &Tracer, space: &LightSpace, [low, high]: [DVec2; 2], visible: &
     let depth_of = |v: DVec4| if space.directional { v.w } else { v.z };
     let extreme = |sign: f64| kept.largest(DVec4::W * sign, DVec4::Z, f64::NEG_INFINITY, 0.0).map(|(_, v)| depth_of(v));
     let depths = [extreme(-sign), extreme(sign)].into_iter().flatten();
-    let corners = [low, DVec2::new(high.x, low.y), DVec2::new(low.x, high.y), high];
-    depths.flat_map(|depth| corners.map(|at| point(space, at, depth))).filter(|p| p.is_finite()).collect()
+    let corners = [low, DVec2::new(high.x, low.y), high, DVec2::new(low.x, high.y)];
+    let end = |depth: f64| corners.map(|at| point(space, at, depth));
+    depths.map(end).filter(|end| end.iter().all(|p| p.is_finite())).flatten().collect()
 }
 
 /// The scene point at a place of the plane q3 = 1 and a depth along the light: metres past the plane's centre for a
@@ -86,25 +102,25 @@ fn point(space: &LightSpace, at: DVec2, depth: f64) -> DVec3 {
 }
 
 impl<'a> Kept<'a> {
-    /// What lies in the hull of scene points, such as the [`reach`] and the covers of several frames; those beside the
-    /// square of the map `h` are moved to its border at the same depth.
-    pub fn of_reach(space: &LightSpace, h: &DMat3, points: impl IntoIterator<Item = DVec3>) -> Kept<'a> {
-        let inverse = h.inverse();
-        let within = |p: DVec3| -> Option<DVec4> {
-            let q = space.q(p);
-            let m = *h * q;
-            if m.z <= 0.0 || q.z <= 0.0 {
-                return None;
-            }
-            let uv = (m.truncate() / m.z).clamp(DVec2::ZERO, DVec2::ONE);
-            let there = inverse * uv.extend(1.0);
-            let moved = there * (q.z / there.z);
-            let w = h.row(2).dot(moved);
-            let e = if space.directional { space.along(p) } else { 1.0 };
-            let v = moved.extend(e) / w;
-            (there.z > 0.0 && w > 0.0 && v.is_finite()).then_some(v)
+    /// What lies in the hull of the ends of tiles, four points each, and of single points, as far as the square of the map
+    /// `h` holds it: the [`reach`] and the covers of several frames.
+    pub fn of_reach(space: &LightSpace, h: &DMat3, ends: &[DVec3], points: &[DVec3]) -> Kept<'a> {
+        let (p1, p2, p4) = (h.row(0), h.row(1), h.row(2));
+        let grown = 1.0 + BORDER;
+        let planes = [p1 + p4 * BORDER, p4 * grown - p1, p2 + p4 * BORDER, p4 * grown - p2, p4].map(|p| p.extend(0.0));
+        let vector = |p: DVec3| space.q(p).extend(if space.directional { space.along(p) } else { 1.0 });
+        let mut polygon = Polygon::default();
+        let mut found: Vec<DVec4> = Vec::new();
+        let mut hold = |corners: [DVec3; 3]| {
+            polygon.clip(corners.map(vector), &planes);
+            let over_w = |v: &DVec4| *v / p4.dot(v.truncate());
+            found.extend(polygon.corners.iter().map(over_w).filter(|v| v.is_finite() && p4.dot(v.truncate()) > 0.0));
         };
-        let found: Vec<DVec4> = points.into_iter().filter_map(within).collect();
+        for end in ends.chunks_exact(4) {
+            hold([end[0], end[1], end[2]]);
+            hold([end[0], end[2], end[3]]);
+        }
+        points.iter().for_each(|p| hold([*p; 3]));
         let mean = found.iter().fold(DVec4::ZERO, |s, v| s + *v / found.len() as f64);
         let nearest = found.iter().fold(f64::INFINITY, |m, v| m.min(v.w));
         // Of a point light e = 1/w: a widened far end stays in front of infinity.
@@ -157,7 +173,7 @@ mod tests {
         ] {
             let light = Light { name: "l".into(), kind };
             let ends = reach(&tracer, &light, &cover, &Visible::new(&ground));
-            assert!(!ends.is_empty() && ends.len() <= 6 * 8 * (TILES * TILES) as usize);
+            assert!(!ends.is_empty() && ends.len().is_multiple_of(4));
             let space = LightSpace::around(&light, &cover).unwrap();
             // A map of the box of the cover, warped a little.
             let flat: Vec<DVec2> = cover.iter().map(|p| space.q(*p)).map(|q| q.truncate() / q.z).collect();
@@ -166,18 +182,26 @@ mod tests {
             let p4 = DVec3::new(0.1 / size.x, 0.0, 1.0 - 0.1 * low.x / size.x);
             let rows = [DVec3::new(1.0 / size.x, 0.0, -low.x / size.x), DVec3::new(0.0, 1.0 / size.y, -low.y / size.y)];
             let h = DMat3::from_cols(rows[0], rows[1], p4).transpose();
-            let row = fit_row(&Kept::of_reach(&space, &h, ends.iter().chain(&cover).copied()), false).unwrap();
+            let row = fit_row(&Kept::of_reach(&space, &h, &ends, &cover), false).unwrap();
             let m = space.clip_from_scene(&h, row.row);
-            let exact = Kept::new(&tracer, &space, &h, &Visible::new(&cover), &Domain::All);
-            let inside = |v: &DVec4| {
-                let p = point(&space, v.truncate().truncate() / v.z, if space.directional { v.w } else { v.z });
+            let in_square = |p: &DVec3| {
                 let clip = m * p.extend(1.0);
-                // The border that `Kept` leaves around the square is none of the reach's.
                 let uv = clip.truncate().truncate() / clip.w;
-                uv.cmplt(DVec2::ZERO).any() || uv.cmpgt(DVec2::ONE).any() || (clip.z / clip.w).abs() <= 1.0
+                clip.w > 0.0 && uv.cmpge(DVec2::ZERO).all() && uv.cmple(DVec2::ONE).all()
             };
-            let list = exact.list();
-            assert!(list.len() > 100 && list.iter().all(inside));
+            let held = |p: &DVec3| {
+                let clip = m * p.extend(1.0);
+                (clip.z / clip.w).abs() <= 1.0
+            };
+            // Every receiver that looks the map up, and every caster over tiles that hold some: here all.
+            let casters = triangles[800..].iter().flatten().map(|v| v.as_dvec3());
+            let asked: Vec<DVec3> = ground.iter().copied().chain(casters).filter(in_square).collect();
+            assert!(asked.len() > 300 && asked.iter().all(held), "{}", asked.len());
+            // A far larger map, as long as the rings hold it: receivers outside the cover are held too.
+            let wide = DMat3::from_diagonal(DVec3::new(0.25, 0.25, 1.0)) * h
+                + DMat3::from_cols(DVec3::ZERO, DVec3::ZERO, DVec3::new(0.375, 0.375, 0.0));
+            let row = fit_row(&Kept::of_reach(&space, &wide, &ends, &cover), true);
+            assert!(row.is_ok_and(|row| row.far_m > row.near_m));
         }
     }
 

@@ -2,8 +2,8 @@
 //!
 //! All intervals of a shot are too many: 50 million of 10,000 frames. So the shot is first cut at the borders of at most
 //! [`BLOCKS`] blocks of frames, every interval of blocks looked at quickly and the cheapest cut found by dynamic programming;
-//! then the chosen borders may move by half a block, a quarter, down to a frame, each time by dynamic programming over the
-//! chosen borders and their neighbours, so that no step makes the cut dearer. Up to [`BLOCKS`] frames the cut is the best of
+//! then the chosen borders may move by half a block, a quarter, down to a frame, and segments part in the middle, each time by
+//! dynamic programming over the chosen borders and their neighbours, so that no step makes the cut dearer. Up to [`BLOCKS`] frames the cut is the best of
 //! all. Its segments are fitted in full.
 
 use super::interval::{Asked, Interval, Look, fit_interval};
@@ -23,8 +23,10 @@ use std::ops::Range;
 
 /// Most blocks that a shot is first cut into: 820 intervals are looked at.
 const BLOCKS: usize = 40;
-/// Chosen segments that an interval may span when borders are moved: a segment may still be merged with a neighbour.
-const SPAN: usize = 2;
+/// Rounds in which borders are moved at most: blocks of 2¹⁵ frames would take 15 to come down to a frame.
+const ROUNDS: usize = 24;
+/// Chosen borders that an interval may pass on when borders are moved: from one's neighbourhood to the next one's.
+const SPAN: usize = 1;
 
 /// One light over a shot, in the frame of the light.
 #[derive(Clone, Debug)]
@@ -149,19 +151,17 @@ impl Seeker<'_> {
         let borders: Vec<usize> = (0..count).step_by(stride).chain([count]).collect();
         // One family: any interval may be chosen.
         let mut chosen = self.cut(&borders, &vec![0; borders.len()], most)?;
-        while stride > 1 {
+        if stride == 1 {
+            return Some(chosen);
+        }
+        for _ in 0..ROUNDS {
             stride = stride.div_ceil(2);
-            let (mut borders, mut family) = (vec![0], vec![0]);
-            for (k, border) in chosen.iter().enumerate().skip(1) {
-                let near = [border.saturating_sub(stride), *border, border + stride];
-                for place in near.into_iter().filter(|p| *border < count || p == border) {
-                    if borders.last().is_some_and(|last| *last < place) && place <= count {
-                        borders.push(place);
-                        family.push(k);
-                    }
-                }
+            let (borders, family) = near(&chosen, stride);
+            let next = self.cut(&borders, &family, most)?;
+            if stride == 1 && next == chosen {
+                break;
             }
-            chosen = self.cut(&borders, &family, most)?;
+            chosen = next;
         }
         Some(chosen)
     }
@@ -171,7 +171,7 @@ impl Seeker<'_> {
     fn cut(&mut self, borders: &[usize], family: &[usize], most: usize) -> Option<Vec<usize>> {
         let blocks = borders.len() - 1;
         let hulls: Vec<Vec<DVec3>> = borders.par_windows(2).map(|w| self.hull(w[0]..w[1])).collect();
-        let near = |first: usize, end: usize| family[end] - family[first] <= SPAN;
+        let near = |first: usize, end: usize| family[end].abs_diff(family[first]) <= SPAN;
         let fresh: Vec<(usize, usize)> = (0..blocks)
             .flat_map(|first| (first + 1..=blocks).map(move |end| (first, end)))
             .filter(|(first, end)| near(*first, *end) && !self.known.contains_key(&(borders[*first], borders[*end])))
@@ -221,6 +221,31 @@ impl Seeker<'_> {
         let cost = texels * times as f64 * over * over + params.change_cost * popping;
         Valued { texels: texels * over * over, cost }
     }
+}
+
+/// Chosen borders with those `stride` before and after each and in the middle of each segment, every one with the number of
+/// the chosen border that it belongs to.
+fn near(chosen: &[usize], stride: usize) -> (Vec<usize>, Vec<usize>) {
+    let (mut borders, mut family) = (vec![0], vec![0]);
+    let mut add = |place: usize, of: usize| {
+        if borders.last().is_some_and(|last| *last < place) {
+            borders.push(place);
+            family.push(of);
+        }
+    };
+    for (k, ends) in chosen.windows(2).enumerate() {
+        let [first, end] = [ends[0], ends[1]];
+        let last = k + 2 == chosen.len();
+        let mut inner = vec![(first + stride, k), ((first + end) / 2, k)];
+        if !last {
+            inner.push((end.saturating_sub(stride), k + 1));
+        }
+        inner.retain(|(place, _)| first < *place && *place < end);
+        inner.sort_unstable();
+        inner.into_iter().for_each(|(place, of)| add(place, of));
+        add(end, k + 1);
+    }
+    (borders, family)
 }
 
 /// The reason why the first single frame that has no matrix has none.

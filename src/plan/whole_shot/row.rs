@@ -3,6 +3,7 @@
 use super::held::Held;
 use crate::depth::Kept;
 use crate::math::first_holding;
+use crate::methods::Region;
 use crate::resolution::JudgedMap;
 use crate::shot::LightParts;
 use glam::DVec3;
@@ -13,22 +14,16 @@ use glam::DVec3;
 /// The reason why there is none.
 pub(super) fn find(light: &LightParts, held: &mut Held) -> Result<(), String> {
     let regions = &held.fitted.regions;
-    let of_frame = |frame: &usize| {
-        let part = &light.parts[*frame];
-        part.reach.iter().chain(&part.cover).copied()
-    };
-    let mut own: Vec<Vec<DVec3>> = vec![Vec::new(); regions.len()];
-    for point in held.segment.needing.iter().flat_map(of_frame) {
-        // A corner of a tile may lie outside every domain: it then stands for what is beside it in any of them.
-        match first_holding(regions.iter().map(|r| &r.domain), point) {
-            Some(k) => own[k].push(point),
-            None => own.iter_mut().for_each(|points| points.push(point)),
-        }
-    }
-    let row = |(region, points): (&crate::methods::Region, Vec<DVec3>)| {
-        let kept = Kept::of_reach(&region.space, &region.h, points);
+    let parts = || held.segment.needing.iter().map(|frame| &light.parts[*frame]);
+    let ends: Vec<DVec3> = parts().flat_map(|p| p.reach.iter().copied()).collect();
+    let cover: Vec<DVec3> = parts().flat_map(|p| p.cover.iter().copied()).collect();
+    let row = |(k, region): (usize, &Region)| {
+        let own: Vec<DVec3> =
+            cover.iter().copied().filter(|p| first_holding(regions.iter().map(|r| &r.domain), *p) == Some(k)).collect();
+        // The ends of tiles are cut at the square, which is about what the domain holds.
+        let kept = Kept::of_reach(&region.space, &region.h, &ends, &own);
         JudgedMap::holding(region.clone(), &kept).map_err(|reason| reason.to_string())
     };
-    held.maps = regions.iter().zip(own).map(row).collect::<Result<_, _>>()?;
+    held.maps = regions.iter().enumerate().map(row).collect::<Result<_, _>>()?;
     Ok(())
 }
