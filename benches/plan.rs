@@ -46,12 +46,13 @@ fn run(input: &Path) -> Result<(), Box<dyn Error>> {
         camera: &loaded.camera(),
         lights: &job.light,
         visibility: &job.visibility,
+        allow_outside: false,
     })?;
     let time = shot.frames.first().ok_or("no frame")?;
     let frame = shot.scene.frame(time.time_s)?;
     let geometry = shot.scene.geometry(&frame);
-    let (still, moving) = (Bvh::build(geometry.still), Bvh::build(geometry.moving));
-    let tracer = Tracer::new(geometry, &still, (!frame.moving.is_empty()).then_some(&moving));
+    let (still, moving) = (Bvh::still(&shot.scene), Bvh::moving(&shot.scene, &frame));
+    let tracer = Tracer::new(geometry, &still, moving.as_ref());
     for light in &frame.lights {
         let name = format!("{} {}", input.file_stem().unwrap_or_default().display(), light.name);
         compare(&name, &shot, &frame, &tracer, light, job)?;
@@ -91,7 +92,7 @@ fn compare(
     println!(
         "{{\"light\": \"{name}\", \"triangles\": {}, {said}, \"draft_ms\": {:.2}, \"rays_ms\": {rays:.2}, \"fit_ms\": \
          {fit:.2}, \"depth_ms\": {depth:.2}, \"exact_ms\": {:.1}, \"ratio\": {:.4}, \"ratios\": {ratios:.4?}}}",
-        tracer.geometry().still.len() + tracer.geometry().moving.len(),
+        tracer.geometry().len(),
         median(&draft_ms),
         median(&exact_ms),
         median(&ratios)

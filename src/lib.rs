@@ -15,6 +15,7 @@
 //! * A directional light's `direction` is the way light travels.
 //! * Angles are radians and carry `_rad`, unless a user wrote them (degrees).
 
+pub mod budget;
 pub mod compare;
 pub mod depth;
 pub mod fit;
@@ -30,4 +31,5 @@ pub mod resolution;
 pub mod samples;
 pub mod scene;
 pub mod shot;
+pub mod trade;
 pub mod visibility;

@@ -40,7 +40,7 @@ fn help_shows_examples_and_exit_codes() {
     for part in ["Examples:\n  lixel plan shot.toml", "Exit codes:\n  0 ", "  130  stopped by SIGINT; 143 by SIGTERM"] {
         assert!(stdout.contains(part), "{part} is not in\n{stdout}");
     }
-    for command in ["plan", "verify", "render", "schema"] {
+    for command in ["plan", "verify", "render", "trade", "schema"] {
         let (code, stdout, _) = output(dir.path(), &[command, "--help"]);
         assert_eq!(code, Some(0));
         assert!(stdout.contains(&format!("\n  lixel {command} ")), "{command} has no example:\n{stdout}");

@@ -136,6 +136,24 @@ proptest! {
         prop_assume!(rows[0].cross(rows[1]).normalize().dot(p4.normalize()).abs() > 0.1);
         check(&s, [rows[0], rows[1], p4])?;
     }
+
+    #[test]
+    fn derivatives_are_exact_where_the_axes_nearly_fall_together(rows in rows(), decades in 1.0..4.0_f64) {
+        // The second axis runs along the first but for one part in 10^decades: det -> 0.
+        let apart = 10.0_f64.powf(-decades);
+        check(&samples(1.0), [rows[0], rows[0] + (rows[1] - rows[0]) * apart, rows[2]])?;
+    }
+
+    #[test]
+    fn derivatives_are_exact_at_any_scale_of_rows(rows in rows(), p in -9.0..9.0_f64, w in -9.0..9.0_f64) {
+        let [p, w] = [p, w].map(|decades| 10.0_f64.powf(decades));
+        check(&samples(1.0), [rows[0] * p, rows[1] * p, rows[2] * w])?;
+    }
+
+    #[test]
+    fn derivatives_are_exact_for_texels_of_any_aspect(rows in rows(), decades in -6.0..6.0_f64) {
+        check(&samples(1.0), [rows[0] * 10.0_f64.powf(decades), rows[1], rows[2]])?;
+    }
 }
 
 #[test]

@@ -57,6 +57,7 @@ fn load_shot(loaded: &LoadedJob) -> Result<Shot, SceneError> {
         camera: &loaded.camera(),
         lights: &loaded.job.light,
         visibility: &loaded.job.visibility,
+        allow_outside: false,
     })
 }
 
@@ -86,7 +87,8 @@ fn settled(file: &Path) -> Result<(LoadedJob, usize, &'static str), SceneError> 
 fn row(name: &str, triangles: usize, how: &str, frame: i64, light: &LightPlan) {
     let sizes: Vec<String> = light.maps.iter().map(|m| format!("{}x{}", m.width, m.height)).collect();
     let error = light.error.as_ref();
-    let predicted = error.map_or("-".to_owned(), |e| format!("{:.0}", e.predicted.misclassified));
+    let predicted =
+        error.and_then(|e| e.predicted.as_ref()).map_or("-".to_owned(), |p| format!("{:.0}", p.misclassified));
     let measured = error
         .and_then(|e| e.measured.as_ref())
         .map_or("-".to_owned(), |m| format!("{}+{}", m.misclassified, m.uncertain));
@@ -164,8 +166,8 @@ fn with_and_without_masks(file: &Path, work: &Path) -> [usize; 3] {
     let shot = load_shot(&loaded).unwrap();
     let frame = shot.scene.frame(planned.time_s).unwrap();
     let geometry = shot.scene.geometry(&frame);
-    let (still, moving) = (Bvh::build(geometry.still), Bvh::build(geometry.moving));
-    let tracer = Tracer::new(geometry, &still, Some(&moving));
+    let (still, moving) = (Bvh::still(&shot.scene), Bvh::moving(&shot.scene, &frame));
+    let tracer = Tracer::new(geometry, &still, moving.as_ref());
     let view = see(&tracer, &frame.camera, shot.film);
     let offset = RayOffset::for_scene(&tracer);
     let receivers = Receivers::classify(&tracer, &view, &frame.camera, &frame.lights[0], offset);

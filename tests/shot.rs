@@ -232,7 +232,10 @@ fn every_mode_is_planned_verified_and_compared() {
     }
     let job = load(folder.path(), WALK, "[map]\nshape = 'rectangle'\n[solver]\nmeasured_rounds = 0");
     let modes = [Temporal::PerFrame, Temporal::Hysteresis, Temporal::Snapped, Temporal::Shot];
-    let rows = watched(|watch| compare_temporal(&job, &modes, watch)).unwrap();
+    let rows = watched(|watch| compare_temporal(&job, &modes, Some(folder.path()), watch)).unwrap();
+    let file = std::fs::File::open(folder.path().join("swimming.png")).unwrap();
+    let picture = png::Decoder::new(std::io::BufReader::new(file)).read_info().unwrap();
+    assert_eq!((picture.info().width, picture.info().height), (6 * 128 + 5 * 4, 4 * 72 + 3 * 4));
     let value: serde_json::Value = serde_json::from_str(&temporal_json(&rows).unwrap()).unwrap();
     for (row, mode) in value["temporal"].as_array().unwrap().iter().zip(["per-frame", "hysteresis", "snapped", "shot"])
     {

@@ -22,7 +22,7 @@ use super::flags::JobFlags;
 use super::progress::Bar;
 use super::report;
 use super::signals::Signals;
-use super::values::size;
+use super::values::{Hemisphere, hemisphere, size};
 
 /// Compare methods on the same frames, lights and texels by their wrong pixels
 #[derive(Args)]
@@ -71,7 +71,9 @@ pub(super) struct CompareArgs {
     /// Folder for a picture of each light and a plot of measured against predicted, made if it is not there
     ///
     /// The pictures have a column for each method; wrong pixels are red (lit instead of in shadow) or blue (in shadow
-    /// instead of lit) at misplaced shadow edges, orange or cyan where the bias is to blame.
+    /// instead of lit) at misplaced shadow edges, orange or cyan where the bias is to blame. With --temporal it is swimming.png:
+    /// a row for each mode and a column for each frame, at most 12, with the shadows that the maps answer; pixels that flicker
+    /// are red.
     #[arg(long, short, value_name = "DIR")]
     output: Option<PathBuf>,
     #[command(flatten)]
@@ -88,8 +90,6 @@ enum BiasName {
 
 /// Texels of each light where no flag says.
 const TEXELS: u32 = 160_000;
-/// Most lights of a run.
-const LIGHTS_MAX: usize = 10_000;
 
 /// `WxH`, texels.
 fn resolution(text: &str) -> Result<[u32; 2], String> {
@@ -97,31 +97,6 @@ fn resolution(text: &str) -> Result<[u32; 2], String> {
     match sides.iter().find(|side| !(1..=SIZE_MAX).contains(side)) {
         Some(side) => Err(format!("{side} texels are out of range: give 1 to {SIZE_MAX}")),
         None => Ok(sides),
-    }
-}
-
-/// Lights `start` to `end` - 1 of a seed.
-#[derive(Clone, Debug, PartialEq)]
-struct Hemisphere {
-    lights: std::ops::Range<u32>,
-    seed: u64,
-}
-
-/// `random-hemisphere:N:SEED` or `random-hemisphere:A-B:SEED`.
-fn hemisphere(text: &str) -> Result<Hemisphere, String> {
-    let range = |numbers: &str| match numbers.split_once('-') {
-        Some((first, last)) => Some(first.parse().ok()?..last.parse::<u32>().ok()?.checked_add(1)?),
-        None => Some(0..numbers.parse().ok()?),
-    };
-    let parsed = text
-        .strip_prefix("random-hemisphere:")
-        .and_then(|rest| rest.split_once(':'))
-        .and_then(|(numbers, seed)| Some(Hemisphere { lights: range(numbers)?, seed: seed.parse().ok()? }));
-    let found = parsed.ok_or("give the number of lights and a seed, as in random-hemisphere:500:1")?;
-    match found.lights.len() {
-        0 => Err("there is no light in this range: give at least one".to_owned()),
-        count if count > LIGHTS_MAX => Err(format!("{count} lights are too many: give at most {LIGHTS_MAX}")),
-        _ => Ok(found),
     }
 }
 
@@ -198,11 +173,14 @@ fn temporal(args: &CompareArgs, quiet: bool, signals: &Signals) -> Result<ExitCo
     if let Some(file) = &args.json {
         Dest::File(file.clone()).check()?;
     }
+    if let Some(dir) = &args.output {
+        std::fs::create_dir_all(dir).map_err(|source| PlanError::Write { dest: dir.display().to_string(), source })?;
+    }
     let rows = {
         let bar = Bar::new(quiet);
         let watch =
             Watch { progress: &|p| bar.show(p), cancel: signals.cancel(), notes: &|text| report::remark(quiet, text) };
-        compare_temporal(&job, &modes, &watch)?
+        compare_temporal(&job, &modes, args.output.as_deref(), &watch)?
     };
     if let Some(file) = &args.json {
         write_file(file, temporal_json(&rows)?.as_bytes())?;
@@ -222,22 +200,4 @@ fn methods(names: &[String], job: &SolverParams) -> Result<Vec<Variant>, Failure
         }
     }
     Ok(if chosen.is_empty() { all_methods().into_iter().map(|m| Variant::plain(m, job)).collect() } else { chosen })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn hemispheres_are_a_count_or_a_range_and_a_seed() {
-        let parsed = |text: &str| hemisphere(text).ok();
-        assert_eq!(parsed("random-hemisphere:500:7"), Some(Hemisphere { lights: 0..500, seed: 7 }));
-        assert_eq!(parsed("random-hemisphere:200-299:7"), Some(Hemisphere { lights: 200..300, seed: 7 }));
-        for bad in ["", "random-hemisphere:", "random-hemisphere:0:1", "random-hemisphere:9-3:1", "random-hemisphere:5"]
-        {
-            assert!(hemisphere(bad).is_err(), "{bad}");
-        }
-        assert!(hemisphere("random-hemisphere:10001:1").is_err());
-        assert!(hemisphere("random-hemisphere:0-4294967295:1").is_err());
-    }
 }

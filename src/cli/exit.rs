@@ -5,6 +5,7 @@ use std::process::ExitCode;
 
 use lixel::job::JobError;
 use lixel::plan::{PartError, PlanError};
+use lixel::trade::TradeError;
 
 use super::flags::JobFlags;
 
@@ -27,6 +28,8 @@ pub(super) enum Failure {
     Setup(String),
     /// The job; with the flags that were laid over it, as `--flag` and key.
     Job(JobError, Vec<(&'static str, &'static str)>),
+    /// Input that is in order by itself and leaves nothing to do, or that a flag does not go with.
+    Input(String),
     /// Planning, reading or writing a plan.
     Plan(PlanError),
     /// Writing to standard output.
@@ -42,9 +45,9 @@ impl Failure {
     /// The exit code. A reader that closes our output early has seen what it wanted.
     pub(super) fn code(&self) -> ExitCode {
         ExitCode::from(match self {
-            Failure::Job(..) => BAD_INPUT,
+            Failure::Job(..) | Failure::Input(_) => BAD_INPUT,
             Failure::Plan(error) if error.is_closed_pipe() => MET,
-            Failure::Plan(PlanError::Scene(_)) => BAD_INPUT,
+            Failure::Plan(PlanError::Scene(_) | PlanError::NotConsecutive { .. }) => BAD_INPUT,
             Failure::Plan(PlanError::Part(PartError::Write { .. })) => FAILED,
             Failure::Plan(PlanError::Part(_)) => BAD_INPUT,
             Failure::Plan(PlanError::Read { .. } | PlanError::Parse { .. } | PlanError::Schema { .. }) => BAD_INPUT,
@@ -59,6 +62,18 @@ impl Failure {
             Failure::Plan(error) => error.is_closed_pipe(),
             Failure::Stdout(error) => error.kind() == io::ErrorKind::BrokenPipe,
             _ => false,
+        }
+    }
+}
+
+impl From<TradeError> for Failure {
+    fn from(error: TradeError) -> Self {
+        match error {
+            TradeError::Plan(error) => Failure::Plan(error),
+            TradeError::Job(error) => Failure::Job(error, Vec::new()),
+            TradeError::NoShadow | TradeError::Model { .. } | TradeError::NoPoint { .. } => {
+                Failure::Input(error.to_string())
+            }
         }
     }
 }

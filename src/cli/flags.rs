@@ -8,7 +8,7 @@ use lixel::shot::Temporal;
 use toml::{Table, Value};
 
 use super::exit::Failure;
-use super::values::{integer, size, values};
+use super::values::{budget, integer, size, values};
 
 /// Flags over a job file, or over the defaults of a scene file.
 #[derive(Clone, Args)]
@@ -29,9 +29,17 @@ pub(super) struct JobFlags {
     /// Animation that plays, by name; may be given several times [default: all that go together]
     #[arg(long, value_name = "NAME")]
     animation: Vec<String>,
+    /// Scene files may name files outside their own folders
+    #[arg(long)]
+    allow_outside: bool,
     /// The bound: a share of the image's pixels, or pixels
     #[arg(long, value_name = "E", allow_negative_numbers = true)]
     epsilon: Option<f64>,
+    /// Most texels instead of a bound: N drawn over the shot; or KEY=N of [budget], several with commas
+    ///
+    /// Keys are texels_total, texels_per_frame and bytes; N may end in k, M or G (thousands), or in Ki, Mi or Gi (1024s).
+    #[arg(long, value_name = "N", conflicts_with = "epsilon", value_parser = budget)]
+    budget: Option<toml::Table>,
     /// What epsilon bounds
     #[arg(long, value_parser = values::<Bound>())]
     bound: Option<String>,
@@ -54,7 +62,7 @@ pub(super) struct JobFlags {
 
 impl JobFlags {
     /// Every flag: its name, its key, and its value if it was given.
-    fn entries(&self) -> [(&'static str, &'static str, Option<Value>); 12] {
+    fn entries(&self) -> [(&'static str, &'static str, Option<Value>); 14] {
         let one = |values: &[String]| match values {
             [value] => Some(Value::String(value.clone())),
             _ => None,
@@ -67,7 +75,9 @@ impl JobFlags {
             ("--camera", "camera.name", text(&self.camera)),
             ("--active-scene", "active_scene", text(&self.active_scene)),
             ("--animation", "animation", (!self.animation.is_empty()).then(|| names(&self.animation))),
+            ("--allow-outside", "allow_outside", self.allow_outside.then_some(Value::Boolean(true))),
             ("--epsilon", "quality.epsilon", self.epsilon.map(Value::Float)),
+            ("--budget", "budget", self.budget.clone().map(Value::Table)),
             ("--bound", "quality.bound", text(&self.bound)),
             ("--method", "solver.method", text(&self.method)),
             ("--max-resolution", "map.max", self.max_resolution.map(integer)),

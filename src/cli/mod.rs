@@ -1,5 +1,6 @@
 //! The command line: one file a command. Nothing outside this folder knows clap, progress bars or terminal colours.
 
+mod budget;
 mod compare;
 mod exit;
 mod flags;
@@ -10,6 +11,7 @@ mod render;
 mod report;
 mod schema;
 mod signals;
+mod trade;
 mod values;
 mod verify;
 
@@ -38,12 +40,14 @@ Examples:
   lixel verify shot.plan.json
   lixel render shot.toml --frame 12 -o frame12
   lixel compare shot.toml --texels 160000
+  lixel trade shot.toml --frames 30 --svg trade.svg
+  lixel budget shot.toml --svg curve.svg
 
 Exit codes:
   0    done, every bound met
   1    a run-time failure, or a plan that verify found broken
   2    bad input or usage
-  3    the plan is written, but a light does not meet its bound
+  3    the plan is written, but a light does not meet its bound or a budget is too small
   4    merge: another round of certify is needed
   130  stopped by SIGINT; 143 by SIGTERM";
 
@@ -68,6 +72,8 @@ enum Command {
     Solve(pieces::SolveArgs),
     Certify(pieces::CertifyArgs),
     Merge(pieces::MergeArgs),
+    Trade(trade::TradeArgs),
+    Budget(budget::BudgetArgs),
     Schema(schema::SchemaArgs),
 }
 
@@ -92,6 +98,8 @@ pub(crate) fn run(cli: Cli) -> ExitCode {
         Command::Solve(args) => pieces::solve(args, quiet, &signals),
         Command::Certify(args) => pieces::certify(args, quiet, &signals),
         Command::Merge(args) => pieces::merge(args, quiet, &signals),
+        Command::Trade(args) => trade::run(args, quiet, &signals),
+        Command::Budget(args) => budget::run(args, quiet, &signals),
         Command::Schema(args) => schema::run(args),
     };
     match outcome {

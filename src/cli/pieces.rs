@@ -166,7 +166,7 @@ pub(super) fn merge(args: &MergeArgs, quiet: bool, signals: &Signals) -> Result<
     let dir = args.place.job_dir.as_deref();
     let merged = watched(quiet, signals, |watch| lixel::plan::merge(&args.parts, dir, dest.dir(), &args.again, watch))?;
     match merged {
-        Merged::Plan(plan) => written(&plan, &dest, &args.format, quiet),
+        Merged::Plan(plan) => written(&plan, &dest, &args.format, false, quiet),
         Merged::Again { frames } => {
             let again = args.again.display();
             report::note(&format!(

@@ -1,10 +1,13 @@
 //! `lixel plan`.
 
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
-use lixel::plan::{Dest, Format, Plan, Watch};
+use lixel::job::LoadedJob;
+use lixel::plan::{Dest, Format, Operating, Plan, Watch};
+use lixel::trade::{Budget, Model};
 use serde::Deserialize;
 use serde::de::value::StrDeserializer;
 
@@ -13,7 +16,7 @@ use super::flags::JobFlags;
 use super::progress::Bar;
 use super::report;
 use super::signals::Signals;
-use super::values::values;
+use super::values::{seconds, values};
 
 /// Plan the shadow maps of a shot
 #[derive(Args)]
@@ -21,8 +24,11 @@ use super::values::values;
 Examples:
   lixel plan shot.toml -o shot.plan.json
   lixel plan scene.glb --camera Main --frames 1-240x2 --preset draft
+  lixel plan shot.toml --budget 8M -o shot.plan.json
   lixel plan shot.toml --format toml | less
   lixel plan shot.toml --work shot.work -o shot.plan.json     (again after an interruption: goes on)
+  lixel plan shot.toml -o shot.plan.json --explain
+  lixel plan shot.toml -o shot.plan.json --time-budget 50ms
 
 Exit codes: 0 every bound met, 1 failure, 2 bad input, 3 plan written with a bound not met, 130/143 stopped.")]
 pub(super) struct PlanArgs {
@@ -34,11 +40,26 @@ pub(super) struct PlanArgs {
     #[command(flatten)]
     format: FormatFlag,
     /// Keep finished frames in this folder, and go on from there after an interruption
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", conflicts_with = "time_budget")]
     work: Option<PathBuf>,
     /// Put wall times into the plan, which then differs from run to run
     #[arg(long)]
     timings: bool,
+    /// Say for each light in one sentence why it got what it got; on standard output when the plan goes to a file, else on
+    /// standard error
+    #[arg(long)]
+    explain: bool,
+    /// Choose the settings that cost time by a time for each light of each frame, as in 50ms
+    ///
+    /// The settings are those of a point of a measured table, its times corrected by timing a few points on the first frame
+    /// with shadows; they lie over the job's [sampling], [solver], quality.measure and map.step. The plan says which point
+    /// it is. Another run may choose another one, unless --time-model is given. Segments of a shot cost besides.
+    #[arg(long, value_name = "TIME", value_parser = seconds, conflicts_with = "preset")]
+    time_budget: Option<f64>,
+    /// The table of operating points for --time-budget, written by `lixel trade --model`; taken as it stands, so that the plan
+    /// is the same on every run
+    #[arg(long, value_name = "FILE", requires = "time_budget")]
+    time_model: Option<PathBuf>,
     #[command(flatten)]
     job: JobFlags,
 }
@@ -51,11 +72,22 @@ pub(super) fn run(args: &PlanArgs, quiet: bool, signals: &Signals) -> Result<Exi
         let bar = Bar::new(quiet);
         let watch =
             Watch { progress: &|p| bar.show(p), cancel: signals.cancel(), notes: &|text| report::remark(quiet, text) };
-        let plan = lixel::plan::make_in(&job, dest.dir(), args.timings, args.work.as_deref(), &watch)?;
+        let plan = match budget(args, &job)? {
+            Some(budget) => lixel::trade::plan_within(&job, &budget, dest.dir(), args.timings, &watch)?,
+            None => lixel::plan::make_in(&job, dest.dir(), args.timings, args.work.as_deref(), &watch)?,
+        };
         watch.check()?;
         plan
     };
-    written(&plan, &dest, &args.format, quiet)
+    written(&plan, &dest, &args.format, args.explain, quiet)
+}
+
+/// The time that planning may take, and what it may be spent by.
+fn budget(args: &PlanArgs, job: &LoadedJob) -> Result<Option<Budget>, Failure> {
+    let Some(seconds) = args.time_budget else { return Ok(None) };
+    let model = args.time_model.as_deref().map(Model::read).transpose()?;
+    let asked = args.job.given().iter().any(|(_, key)| *key == "quality.measure");
+    Ok(Some(Budget { seconds, model, measure: asked.then_some(job.job.quality.measure) }))
 }
 
 /// How a plan is written.
@@ -86,8 +118,23 @@ impl FormatFlag {
 }
 
 /// Writes a plan and says what it came to.
-pub(super) fn written(plan: &Plan, dest: &Dest, format: &FormatFlag, quiet: bool) -> Result<ExitCode, Failure> {
+pub(super) fn written(
+    plan: &Plan,
+    dest: &Dest,
+    format: &FormatFlag,
+    explain: bool,
+    quiet: bool,
+) -> Result<ExitCode, Failure> {
     lixel::plan::write(plan, dest, format.of(dest))?;
+    if explain {
+        let text = lixel::plan::explain(plan);
+        if *dest == Dest::Stdout {
+            report::note(text.trim_end());
+        } else {
+            let mut out = std::io::stdout().lock();
+            out.write_all(text.as_bytes()).and_then(|()| out.flush()).map_err(Failure::Stdout)?;
+        }
+    }
     if !quiet {
         report::note(&summary(plan));
     }
@@ -107,10 +154,25 @@ fn summary(plan: &Plan) -> String {
         text += &format!(", {} drawn, {} changes", s.texels_drawn, s.changes);
         text += &s.flicker.map(|f| format!(", {f} pixels flicker")).unwrap_or_default();
     }
+    if let Some(budget) = &plan.budget {
+        text += &format!(", {} resident, {} pixels wrong", budget.texels_resident, budget.misclassified);
+    }
+    let predicted = lights().any(|(_, l)| l.error.as_ref().is_some_and(|e| e.measured.is_none()));
+    let by = if predicted { " by prediction; nothing was measured" } else { "" };
     text += &match failed.len() {
-        0 => ": every light meets its bound".to_owned(),
-        n => format!(": {n} of {} lights do not meet their bound", lights().count()),
+        0 if plan.budget.is_some() => ": within the budget".to_owned(),
+        0 => format!(": every light meets its bound{by}"),
+        n => format!(": {n} of {} lights do not meet their bound{by}", lights().count()),
     };
+    if let Some(t) = &plan.timings {
+        text += &format!(
+            "\nloading {:.2} s and sorting {:.2} s of {:.2} s ({:.0} % loading)",
+            t.load_s,
+            t.sort_s,
+            t.total_s,
+            100.0 * t.load_share
+        );
+    }
     for (frame, light) in failed.iter().take(LISTED) {
         let reason = light.reason.as_deref().unwrap_or("no reason given");
         text += &format!("\n  frame {frame}, {}: {reason}", light.light);
@@ -118,5 +180,17 @@ fn summary(plan: &Plan) -> String {
     if failed.len() > LISTED {
         text += &format!("\n  and {} more", failed.len() - LISTED);
     }
+    if let Some(operating) = &plan.operating {
+        text += &format!("\n{}", chosen(operating));
+    }
     text
+}
+
+/// What a time budget bought.
+fn chosen(o: &Operating) -> String {
+    let expected = format!("{:.3} ms expected of {} ms a frame and light", o.expected_ms, o.budget_ms);
+    let over = if o.within { "" } else { ", the fastest there is" };
+    let clock =
+        if o.deterministic { "" } else { "; chosen by the clock, another run may choose another: see `operating`" };
+    format!("operating point `{}`: {expected}{over}{clock}", o.point)
 }

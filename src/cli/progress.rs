@@ -2,6 +2,10 @@
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use lixel::plan::{Progress, Stage};
+use std::time::Duration;
+
+/// How often the bar's clock is drawn.
+const TICK: Duration = Duration::from_millis(200);
 
 /// The bar of one command.
 pub(super) struct Bar {
@@ -16,6 +20,8 @@ impl Bar {
         let style = ProgressStyle::with_template("{msg:9} {wide_bar} {pos}/{len} {elapsed} (left {eta})")
             .unwrap_or_else(|_| ProgressStyle::default_bar());
         bar.set_style(style);
+        // Loading has two steps only: the clock shows that it goes on.
+        bar.enable_steady_tick(TICK);
         Self { bar }
     }
 
@@ -26,6 +32,9 @@ impl Bar {
             Stage::Samples => "frames",
             Stage::Solve => "solving",
             Stage::Lights => "measuring",
+            Stage::Flicker => "flicker",
+            Stage::Budget => "budget",
+            Stage::Points => "points",
         });
         self.bar.set_length(progress.total);
         self.bar.set_position(progress.done);

@@ -20,7 +20,7 @@ pub(super) fn failure(failure: &Failure) -> ExitCode {
             }
             Failure::Job(error, _) => print(&error.to_string(), None),
             Failure::Plan(error) => print(&error.to_string(), None),
-            Failure::Setup(message) => print(message, None),
+            Failure::Setup(message) | Failure::Input(message) => print(message, None),
             Failure::Stdout(error) => print(&format!("cannot write standard output: {error}"), None),
         }
     }

@@ -25,11 +25,12 @@ pub(super) fn aspect(question: Question, map: &MapParams) -> Aspect {
 }
 
 /// Width and height of each region's map: its share of the texels at its aspect, never more.
-pub(super) fn sizes(regions: &[Region], shares: &[f64], texels: f64) -> Vec<[u32; 2]> {
+pub(crate) fn sizes(regions: &[Region], shares: &[f64], texels: f64) -> Vec<[u32; 2]> {
     regions.iter().zip(shares).map(|(region, share)| size(region.aspect, texels * share)).collect()
 }
 
-fn size(aspect: f64, texels: f64) -> [u32; 2] {
+/// The same of one map.
+pub(super) fn size(aspect: f64, texels: f64) -> [u32; 2] {
     let most = f64::from(SIZE_MAX);
     let side = |t: f64| t.clamp(1.0, most);
     // The longer side is rounded: the other one then changes least.

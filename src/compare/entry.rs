@@ -8,7 +8,7 @@ use crate::methods::{Inapplicable, Method};
 use crate::plan::PlanError;
 use crate::raster::{Bias, RasterError};
 use crate::resolution::{
-    FilmQuestion, FittedLight, Judge, certify, default_bias, fit_light, fit_texels, polish, predict,
+    Drawing, FilmQuestion, FittedLight, Judge, choose, default_bias, fit_light, fit_texels, polish, polishes, predict,
 };
 use crate::samples::LightSamples;
 use crate::scene::{Camera, Film, Light};
@@ -74,11 +74,7 @@ pub(super) fn entry(
     match fitted {
         Ok(mut fitted) => match Judge::new(case.tracer, case.view, &question, &fitted, case.receivers, case.offset) {
             Ok(mut judge) => {
-                // The step that chooses by measuring knows the job's aspects only.
-                if budget::aspect(params.question, &job.map) == budget::aspect(Question::Epsilon, &job.map) {
-                    polish(&question, case.samples, &mut fitted, &mut judge)?;
-                }
-                let (measured, found) = measure(&question, &fitted, &mut judge, params)?;
+                let (measured, found) = measure(&question, case.samples, &mut fitted, &mut judge, params)?;
                 (row.measured, mask) = (Some(measured), found);
             }
             Err(reason) => row.reason = Some(reason.to_string()),
@@ -99,14 +95,24 @@ fn fit(case: &Case, question: &FilmQuestion, params: &CompareParams) -> Result<F
 
 fn measure(
     question: &FilmQuestion,
-    fitted: &FittedLight,
+    samples: &LightSamples,
+    fitted: &mut FittedLight,
     judge: &mut Judge,
     params: &CompareParams,
 ) -> Result<(Measured, Mask), RasterError> {
     let (sizes, needed) = match budget::texels(params.question) {
-        Some(texels) => (budget::sizes(&fitted.regions, &fitted.shares, texels), None),
+        Some(texels) => {
+            // Choosing by measuring knows the job's aspects only.
+            let same = budget::aspect(params.question, question.map) == budget::aspect(Question::Epsilon, question.map);
+            if same && polishes(question.solver) {
+                let sizes = budget::sizes(&fitted.regions, &fitted.shares, texels);
+                let (bias, _) = answers(question, &sizes, judge, params.bias)?;
+                polish(question, samples, fitted, judge, &Drawing { size: &budget::size, bias })?;
+            }
+            (budget::sizes(&fitted.regions, &fitted.shares, texels), None)
+        }
         None => {
-            let certified = certify(question, fitted, judge)?;
+            let certified = choose(question, samples, fitted, judge)?;
             let needed = TexelsFor { met: certified.met, texels: sum(&certified.sizes) };
             (certified.sizes, Some(needed))
         }

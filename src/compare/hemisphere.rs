@@ -1,6 +1,6 @@
 //! Distant lights spread evenly over the sky.
 
-use super::prng::Prng;
+use crate::math::Prng;
 use crate::scene::{LightKindName, LightParams};
 use std::ops::Range;
 

@@ -39,8 +39,7 @@ pub fn compare(loaded: &LoadedJob, params: &CompareParams, watch: &Watch) -> Res
     for note in &shot.scene.notes {
         watch.note(note);
     }
-    let still = Bvh::build(&shot.scene.still);
-    let still_bounds = Bounds::of(shot.scene.still.iter().flatten().map(|v| v.as_dvec3()));
+    let still = Bvh::still(&shot.scene);
     watch.step(Stage::Load, 1, 1)?;
 
     let done = AtomicU64::new(0);
@@ -48,7 +47,7 @@ pub fn compare(loaded: &LoadedJob, params: &CompareParams, watch: &Watch) -> Res
     for time in &shot.frames {
         let frame = shot.scene.frame(time.time_s)?;
         let geometry = shot.scene.geometry(&frame);
-        let moving = (!frame.moving.is_empty()).then(|| Bvh::build(&frame.moving));
+        let moving = Bvh::moving(&shot.scene, &frame);
         let tracer = Tracer::new(geometry, &still, moving.as_ref());
         let view = see(&tracer, &frame.camera, shot.film);
         let stage = FrameStage {
@@ -57,7 +56,7 @@ pub fn compare(loaded: &LoadedJob, params: &CompareParams, watch: &Watch) -> Res
             film: shot.film,
             grid: &GridView::see(&tracer, &frame.camera, Grid::new(shot.film, job.sampling.grid), Some(&view)),
             view: &view,
-            bounds: still_bounds.union(Bounds::of(frame.moving.iter().flatten().map(|v| v.as_dvec3()))),
+            bounds: tracer.bounds().map_or(Bounds::EMPTY, |[min, max]| Bounds { min, max }),
             offset: RayOffset::for_scene(&tracer),
             frame: time.frame,
         };

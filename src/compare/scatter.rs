@@ -1,14 +1,13 @@
 //! Measured against predicted wrong pixels, one dot a light and method, both axes logarithmic, as SVG.
 
 use super::Comparison;
+use crate::budget::COLOURS;
 
 /// Side of the plotting square and the room around it, SVG units.
 const SIDE: f64 = 560.0;
 const MARGIN: f64 = 70.0;
 /// Width of the legend.
 const LEGEND: f64 = 190.0;
-/// Okabe and Ito's colours, told apart by most eyes; then again from the first.
-const COLOURS: [&str; 8] = ["#000000", "#d55e00", "#0072b2", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#b8a800"];
 
 /// The picture. Lights with a zero on either axis have no place on it and are counted in its title.
 pub fn scatter(comparison: &Comparison) -> String {

@@ -1,6 +1,6 @@
 //! Ratios, quantiles, intervals, correlation.
 
-use super::prng::Prng;
+use crate::math::Prng;
 
 /// Resamples of the bootstrap: the ends of a 95 % interval then rest on 50 of them each.
 const RESAMPLES: usize = 2000;
@@ -31,7 +31,7 @@ pub(super) fn interval(pairs: &[(f64, f64)]) -> Option<[f64; 2]> {
 }
 
 /// The quantile between order statistics, linear; `None` of nothing.
-pub(super) fn quantile(values: &mut [f64], at: f64) -> Option<f64> {
+pub(crate) fn quantile(values: &mut [f64], at: f64) -> Option<f64> {
     values.sort_unstable_by(f64::total_cmp);
     let place = at * values.len().checked_sub(1)? as f64;
     let (low, part) = (place.floor() as usize, place.fract());

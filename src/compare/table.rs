@@ -136,7 +136,7 @@ fn number(value: Option<f64>, digits: usize) -> String {
 }
 
 /// Columns as wide as their widest cell, two spaces apart; the first one aligned left, the others right.
-fn grid(rows: &[Vec<String>]) -> String {
+pub(crate) fn grid(rows: &[Vec<String>]) -> String {
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
     let width = |k: usize| rows.iter().filter_map(|r| r.get(k)).map(|c| c.chars().count()).max().unwrap_or(0);
     let widths: Vec<usize> = (0..columns).map(width).collect();

@@ -1,11 +1,18 @@
 //! The temporal modes side by side: the same shot planned by each of them.
 
+use super::write_file;
 use crate::job::{Job, LoadedJob};
-use crate::plan::{Plan, PlanError, Watch, make};
+use crate::picture::tiled;
+use crate::plan::{LightPlan, Plan, PlanError, Reprojected, Watch, make, strip};
 use crate::shot::Temporal;
 use serde::Serialize;
 use std::path::Path;
 use std::time::Instant;
+
+/// Most frames of a picture.
+pub const STRIP_FRAMES: usize = 12;
+/// Between the pictures of a strip, pixels.
+const GAP: u32 = 4;
 
 /// What one mode's plan of a shot came to.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -33,6 +40,12 @@ pub struct TemporalRow {
     pub flicker_per_frame: Vec<u64>,
     /// Certainly wrong pixels of all lights and frames.
     pub misclassified: u64,
+    /// What a renderer that blends answers over time shows wrongly, where the job's `lookup` has it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub misclassified_reprojected: Option<u64>,
+    /// Flicker of what it shows.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub flicker_reprojected: Option<u64>,
     /// The same light by light.
     pub lights: Vec<TemporalLight>,
     /// Planning and measuring.
@@ -56,19 +69,37 @@ pub struct TemporalLight {
     pub misclassified: u64,
 }
 
-/// Plans the job once for each mode.
+/// Plans the job once for each mode. With `pictures`, a folder, `swimming.png` there has a row for each mode and a column for
+/// each frame, at most [`STRIP_FRAMES`]: the film with the shadows that the maps answer, flickering pixels marked.
 ///
 /// # Errors
-/// Those of [`make`]; a mode that the job's maps do not allow is refused before, by the job's checks.
-pub fn compare_temporal(job: &LoadedJob, modes: &[Temporal], watch: &Watch) -> Result<Vec<TemporalRow>, PlanError> {
-    let row = |mode: &Temporal| {
+/// Those of [`make`], and [`PlanError::Write`]; a mode that the job's maps do not allow is refused before, by the job's
+/// checks.
+pub fn compare_temporal(
+    job: &LoadedJob,
+    modes: &[Temporal],
+    pictures: Option<&Path>,
+    watch: &Watch,
+) -> Result<Vec<TemporalRow>, PlanError> {
+    let mut strips = Vec::new();
+    let mut row = |mode: &Temporal| {
         let start = Instant::now();
         let shot = crate::shot::TemporalParams { temporal: *mode, ..job.job.shot.clone() };
         let loaded = LoadedJob { job: Job { shot, ..job.job.clone() }, ..job.clone() };
         let plan = make(&loaded, Path::new(""), false, watch)?;
-        Ok(summarised(*mode, &plan, start.elapsed().as_secs_f64()))
+        let row = summarised(*mode, &plan, start.elapsed().as_secs_f64());
+        if pictures.is_some() {
+            strips.push(strip(&loaded, &plan, STRIP_FRAMES, watch)?);
+        }
+        Ok(row)
     };
-    modes.iter().map(row).collect()
+    let rows = modes.iter().map(&mut row).collect::<Result<Vec<TemporalRow>, PlanError>>()?;
+    if let Some(dir) = pictures {
+        let path = dir.join("swimming.png");
+        let failed = |source| PlanError::Write { dest: path.display().to_string(), source };
+        write_file(&path, &tiled(&strips, GAP).to_png().map_err(failed)?)?;
+    }
+    Ok(rows)
 }
 
 fn summarised(temporal: Temporal, plan: &Plan, seconds: f64) -> TemporalRow {
@@ -89,6 +120,10 @@ fn summarised(temporal: Temporal, plan: &Plan, seconds: f64) -> TemporalRow {
         light.misclassified += entry.error.as_ref().and_then(|e| e.measured.as_ref()).map_or(0, |m| m.misclassified);
     }
     let summary = &plan.summary;
+    let shown = |of: &dyn Fn(&Reprojected) -> u64| -> Option<u64> {
+        let entries = || plan.frames.iter().flat_map(|f| &f.lights).filter_map(|l: &LightPlan| l.reprojected.as_ref());
+        entries().next().map(|_| entries().map(of).sum())
+    };
     TemporalRow {
         temporal,
         met: summary.met,
@@ -105,6 +140,8 @@ fn summarised(temporal: Temporal, plan: &Plan, seconds: f64) -> TemporalRow {
             .map(|f| f.lights.iter().filter_map(|l| l.flicker).map(|f| f.still).sum())
             .collect(),
         misclassified: lights.iter().map(|l| l.misclassified).sum(),
+        misclassified_reprojected: shown(&|r| r.misclassified),
+        flicker_reprojected: shown(&|r| r.flicker.map_or(0, |f| f.still)),
         lights,
         seconds,
     }
@@ -140,6 +177,10 @@ pub fn temporal_table(rows: &[TemporalRow]) -> String {
             &row.misclassified.to_string(),
             &format!("{}  {:.1}", bound(row.met), row.seconds),
         ]);
+        if let (Some(wrong), Some(flicker)) = (row.misclassified_reprojected, row.flicker_reprojected) {
+            let (flicker, wrong) = (flicker.to_string(), wrong.to_string());
+            text += &line(["  with reprojection", "", "", "", "", &flicker, "", &wrong, ""]);
+        }
         for light in row.lights.iter().filter(|_| row.lights.len() > 1) {
             text += &line([
                 &format!("  {}", light.light),

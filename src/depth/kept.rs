@@ -11,8 +11,9 @@ use crate::math::{Domain, LightSpace};
 use crate::visibility::{Part, Tracer};
 use glam::{DMat3, DVec3, DVec4};
 
-/// What a map keeps, as homogeneous vectors v = (q, e): e = 1 for point and spot lights and metres along the light for
-/// directional ones; each with w = p4·q > 0.
+/// What a map keeps, as homogeneous vectors v = (q, e) with w = p4·q > 0. e is the distance along the light from the
+/// plane's centre, metres; the constant 1 is then a function of v too, (q3 - e) / (distance of the centre). Of a lamp 10¹²
+/// scenes away, q3 alone would keep no digits of it. Where the centre does not lie before a lamp, e is 1.
 #[derive(Clone, Debug)]
 pub struct Kept<'a> {
     /// Absent when the points are all listed in `few`.
@@ -36,6 +37,29 @@ const BORDER: f64 = 0.01;
 /// Receivers that are looked at one by one. They only start the searches.
 const FEW: usize = 1024;
 
+/// Part of the way from a lamp to the plane's centre that has to run along the plane's axis for e to be the distance along
+/// it: 1 is then known to within 16 roundings.
+const AHEAD: f64 = 1.0 / 16.0;
+
+/// Whether e is the distance along the light rather than 1.
+fn e_is_along(space: &LightSpace) -> bool {
+    space.directional || space.offset.z > AHEAD * space.offset.length()
+}
+
+/// The v of a scene point.
+pub(super) fn vector(space: &LightSpace, p: DVec3) -> DVec4 {
+    space.q(p).extend(if e_is_along(space) { space.along(p) } else { 1.0 })
+}
+
+/// The constant 1 as a row on v.
+pub(super) fn constant(space: &LightSpace) -> DVec4 {
+    match (space.directional, e_is_along(space)) {
+        (true, _) => DVec4::Z,
+        (false, true) => DVec4::new(0.0, 0.0, 1.0 / space.offset.z, -1.0 / space.offset.z),
+        (false, false) => DVec4::W,
+    }
+}
+
 impl<'a> Kept<'a> {
     /// What the map `h` keeps when `visible` points in its domain and square look it up, lit ones too.
     pub fn new(tracer: &'a Tracer<'a>, space: &LightSpace, h: &DMat3, visible: &Visible, domain: &Domain) -> Kept<'a> {
@@ -50,14 +74,15 @@ impl<'a> Kept<'a> {
         let farthest = visible.largest(depth_row, &square, &holds, f64::NEG_INFINITY);
         let w_most = visible.largest(space.row_from_q(p4), &square, &holds, 0.0);
         let grown = 1.0 + BORDER;
-        let behind = if space.directional { DVec4::new(0.0, 0.0, farthest, -1.0) } else { (-p4).extend(farthest) };
+        let one = constant(space);
+        let behind = if space.directional { one * farthest - DVec4::W } else { (-p4).extend(0.0) + one * farthest };
         let planes = [
             behind,
             (p1 + p4 * BORDER).extend(0.0),
             (p4 * grown - p1).extend(0.0),
             (p2 + p4 * BORDER).extend(0.0),
             (p4 * grown - p2).extend(0.0),
-            p4.extend(if space.directional { 0.0 } else { -W_MIN * w_most }),
+            p4.extend(0.0) - if space.directional { DVec4::ZERO } else { one * (W_MIN * w_most) },
         ];
         let mut kept = Kept {
             tracer: Some(tracer),
@@ -92,12 +117,17 @@ impl<'a> Kept<'a> {
     }
 
     fn vector(&self, p: DVec3) -> DVec4 {
-        self.space.q(p).extend(if self.space.directional { self.space.along(p) } else { 1.0 })
+        vector(&self.space, p)
+    }
+
+    /// The constant 1 as a row on v.
+    pub(super) fn one(&self) -> DVec4 {
+        constant(&self.space)
     }
 
     /// A row on (X, 1) from one on v.
-    fn scene_row(&self, row: DVec4) -> DVec4 {
-        let e_row = if self.space.directional { self.space.along_row() } else { DVec4::W };
+    pub(super) fn scene_row(&self, row: DVec4) -> DVec4 {
+        let e_row = if e_is_along(&self.space) { self.space.along_row() } else { DVec4::W };
         self.space.row_from_q(row.truncate()) + e_row * row.w
     }
 

@@ -4,12 +4,12 @@
 //! of a 4x4 matrix gives depth along the light exactly under a warp; the row is linear:
 //!
 //! ```text
-//! point, spot:   z/w = (g·q + B) / w,      B < 0,  largest |B| with  -w ≤ g·q + B ≤ w
-//! directional:   z/w = (g·q + β d) / w,    β > 0,  largest β  with  -w ≤ g·q + β d ≤ w
+//! a camera at a lamp:   z/w = B / w + b,            B < 0,  largest |B| with  -w ≤ B + b w ≤ w
+//! any other:            z/w = (g·q + β d) / w,      β > 0,  largest β   with  -w ≤ g·q + β d ≤ w
 //! ```
 //!
 //! over everything kept: casters between the light and what is covered, inside the map, and every visible point that
-//! looks the map up. Both are one linear program in four unknowns on homogeneous vectors (q, e), e = 1 or d.
+//! looks the map up. Both are one linear program on homogeneous vectors (q, e) with e = d, the distance along the light.
 
 mod bias;
 mod kept;
@@ -20,5 +20,5 @@ mod visible;
 pub use bias::{BiasUnits, CONSTANT_F32, bias_units};
 pub use kept::Kept;
 pub use reach::reach;
-pub use row::{DepthError, DepthRow, fit_row};
+pub use row::{DepthError, DepthRow, FINER, RowKind, fit_row};
 pub use visible::Visible;

@@ -7,7 +7,7 @@
 //! each: maps are little larger than what they cover. Later the near and far ends of the tiles, cut at the map's square,
 //! stand for what is between them: their hull holds it.
 
-use super::kept::{Kept, Polygon};
+use super::kept::{Kept, Polygon, constant, vector};
 use super::visible::Visible;
 use crate::math::{Domain, LightSpace};
 use crate::scene::Light;
@@ -84,11 +84,11 @@ fn ends(tracer: &Tracer, space: &LightSpace, [low, high]: [DVec2; 2], visible: &
     if kept.is_empty() {
         return Vec::new();
     }
-    // Depth along the light is e of a directional light, q3 = 1 / (e / q3) of the others.
-    let sign = if space.directional { 1.0 } else { -1.0 };
+    // Depth along the light is e of a directional light, q3 = 1 / (1 / q3) of the others.
     let depth_of = |v: DVec4| if space.directional { v.w } else { v.z };
-    let extreme = |sign: f64| kept.largest(DVec4::W * sign, DVec4::Z, f64::NEG_INFINITY, 0.0).map(|(_, v)| depth_of(v));
-    let depths = [extreme(-sign), extreme(sign)].into_iter().flatten();
+    let along = if space.directional { DVec4::W } else { -constant(space) };
+    let extreme = |row: DVec4| kept.largest(row, DVec4::Z, f64::NEG_INFINITY, 0.0).map(|(_, v)| depth_of(v));
+    let depths = [extreme(-along), extreme(along)].into_iter().flatten();
     let corners = [low, DVec2::new(high.x, low.y), high, DVec2::new(low.x, high.y)];
     let end = |depth: f64| corners.map(|at| point(space, at, depth));
     depths.map(end).filter(|end| end.iter().all(|p| p.is_finite())).flatten().collect()
@@ -108,11 +108,10 @@ impl<'a> Kept<'a> {
         let (p1, p2, p4) = (h.row(0), h.row(1), h.row(2));
         let grown = 1.0 + BORDER;
         let planes = [p1 + p4 * BORDER, p4 * grown - p1, p2 + p4 * BORDER, p4 * grown - p2, p4].map(|p| p.extend(0.0));
-        let vector = |p: DVec3| space.q(p).extend(if space.directional { space.along(p) } else { 1.0 });
         let mut polygon = Polygon::default();
         let mut found: Vec<DVec4> = Vec::new();
         let mut hold = |corners: [DVec3; 3]| {
-            polygon.clip(corners.map(vector), &planes);
+            polygon.clip(corners.map(|p| vector(space, p)), &planes);
             let over_w = |v: &DVec4| *v / p4.dot(v.truncate());
             found.extend(polygon.corners.iter().map(over_w).filter(|v| v.is_finite() && p4.dot(v.truncate()) > 0.0));
         };
@@ -122,12 +121,12 @@ impl<'a> Kept<'a> {
         }
         points.iter().for_each(|p| hold([*p; 3]));
         let mean = found.iter().fold(DVec4::ZERO, |s, v| s + *v / found.len() as f64);
-        let nearest = found.iter().fold(f64::INFINITY, |m, v| m.min(v.w));
-        // Of a point light e = 1/w: a widened far end stays in front of infinity.
-        let least = if space.directional { f64::NEG_INFINITY } else { 0.5 * nearest };
+        // 1/w falls with the distance from a lamp: half of it is left, so that a widened far end stays in front of infinity.
+        let one = constant(space);
         let widened = |v: &DVec4| {
-            let v = mean + (*v - mean) * (1.0 + WIDENED);
-            DVec4::new(v.x, v.y, v.z, v.w.max(least))
+            let (here, falls) = (one.dot(*v), one.dot(mean) - one.dot(*v));
+            let part = if falls * WIDENED > 0.5 * here { 0.5 * here / falls } else { WIDENED };
+            mean + (*v - mean) * (1.0 + part)
         };
         Kept::of_points(space, h, found.iter().map(widened).collect())
     }
@@ -136,7 +135,7 @@ impl<'a> Kept<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::depth::fit_row;
+    use crate::depth::{RowKind, fit_row};
     use crate::scene::{Geometry, LightKind, Triangle};
     use crate::visibility::Bvh;
     use glam::Vec3;
@@ -182,7 +181,7 @@ mod tests {
             let p4 = DVec3::new(0.1 / size.x, 0.0, 1.0 - 0.1 * low.x / size.x);
             let rows = [DVec3::new(1.0 / size.x, 0.0, -low.x / size.x), DVec3::new(0.0, 1.0 / size.y, -low.y / size.y)];
             let h = DMat3::from_cols(rows[0], rows[1], p4).transpose();
-            let row = fit_row(&Kept::of_reach(&space, &h, &ends, &cover), false).unwrap();
+            let row = fit_row(&Kept::of_reach(&space, &h, &ends, &cover), RowKind::Free).unwrap();
             let m = space.clip_from_scene(&h, row.row);
             let in_square = |p: &DVec3| {
                 let clip = m * p.extend(1.0);
@@ -200,7 +199,7 @@ mod tests {
             // A far larger map, as long as the rings hold it: receivers outside the cover are held too.
             let wide = DMat3::from_diagonal(DVec3::new(0.25, 0.25, 1.0)) * h
                 + DMat3::from_cols(DVec3::ZERO, DVec3::ZERO, DVec3::new(0.375, 0.375, 0.0));
-            let row = fit_row(&Kept::of_reach(&space, &wide, &ends, &cover), true);
+            let row = fit_row(&Kept::of_reach(&space, &wide, &ends, &cover), RowKind::Plain);
             assert!(row.is_ok_and(|row| row.far_m > row.near_m));
         }
     }

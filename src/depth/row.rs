@@ -14,7 +14,24 @@ pub struct DepthRow {
     pub near_m: f64,
     /// Largest depth kept, metres along the light.
     pub far_m: f64,
+    /// The row is a camera's: depth by w alone (point, spot), or by the distance along the light alone (directional).
+    pub plain: bool,
 }
+
+/// Which rows a map may have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RowKind {
+    /// A camera's: depth by w alone (point, spot), or by the distance along the light alone (directional).
+    Plain,
+    /// A camera's, unless another row tells casters from receivers [`FINER`] times better.
+    PlainIfFine,
+    /// Any.
+    Free,
+}
+
+/// How much finer along the light a free row has to be to be worth a camera. A view axis far from the direction of the
+/// light, as a warp has it, makes depth by w nearly a function of the place in the map.
+pub const FINER: f64 = 2.0;
 
 /// Why a map has no depth row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -40,11 +57,24 @@ const MARGIN: f64 = 1.0 / 65536.0;
 const SCALE_ACCURACY: f64 = 1e-2;
 
 /// Fits row 3 for what a homography keeps.
-/// `plain` keeps the row a camera's: depth by w alone (point, spot) or by d alone (directional).
 ///
 /// # Errors
 /// [`DepthError`]: nothing is kept, or it has no finite row.
-pub fn fit_row(kept: &Kept, plain: bool) -> Result<DepthRow, DepthError> {
+pub fn fit_row(kept: &Kept, kind: RowKind) -> Result<DepthRow, DepthError> {
+    let plain = match kind {
+        RowKind::Free => return Ok(fit(kept, false)?.0),
+        RowKind::Plain => return Ok(fit(kept, true)?.0),
+        RowKind::PlainIfFine => fit(kept, true),
+    };
+    match (plain, fit(kept, false)) {
+        (Ok((_, by_w)), Ok((free, strength))) if strength > FINER * by_w => Ok(free),
+        (Err(_), Ok((free, _))) => Ok(free),
+        (plain, _) => Ok(plain?.0),
+    }
+}
+
+/// A row, and how much clip depth it gives to a step along the light, up to a factor of the light plane.
+fn fit(kept: &Kept, plain: bool) -> Result<(DepthRow, f64), DepthError> {
     let (space, p4) = (&kept.space, kept.p4);
     let by_w = p4.extend(0.0);
     let over_w = |v: &DVec4| *v / kept.w(*v);
@@ -63,10 +93,20 @@ pub fn fit_row(kept: &Kept, plain: bool) -> Result<DepthRow, DepthError> {
         }
     };
 
-    // Well-scaled unknowns: y = S (v/w - centre) with |y| ≤ 1 or so, centred where a constant can be absorbed by p4.
+    // The functions of v that a row is made of; the last one tells casters from receivers. A camera at a lamp has 1 alone,
+    // which falls over w as the distance along the light grows.
+    let mut basis = DVec4::AXES;
+    let by_constant = basis[3] == kept.one() || plain && !space.directional;
+    if by_constant {
+        basis[3] = kept.one();
+    }
+    let sign = if by_constant { -1.0 } else { 1.0 };
+    let on_basis = |v: &DVec4| DVec4::from_array(basis.map(|row| row.dot(*v)));
+
+    // Well-scaled unknowns: y = S (u/w - centre) with |y| ≤ 1 or so, centred where a constant can be absorbed by p4.
     let mut found: Vec<DVec4> = Vec::new();
     let (mut centre, mut scale) = (DVec4::ZERO, DVec4::ZERO);
-    for (k, axis) in DVec4::AXES.into_iter().enumerate() {
+    for (k, axis) in basis.into_iter().enumerate() {
         if plain && k < 3 {
             continue;
         }
@@ -76,21 +116,21 @@ pub fn fit_row(kept: &Kept, plain: bool) -> Result<DepthRow, DepthError> {
         centre[k] = (high + low) * 0.5;
         scale[k] = if high > low { 2.0 / (high - low) } else { 0.0 };
     }
-    let scaled = |v: &DVec4| (*v - centre) * scale;
-    let sign = if space.directional { 1.0 } else { -1.0 };
+    let scaled = |v: &DVec4| (on_basis(v) - centre) * scale;
 
     // z/w = a·y + a0, since 1 = p4·q / w. Maximise sign * a.w subject to -1 ≤ a·y + a0 ≤ 1.
     let mut chosen: Vec<DVec4> = extremes(&few.iter().chain(&found).map(scaled).collect::<Vec<_>>());
     chosen.extend(found.iter().map(scaled));
     let mut solution = solve(&chosen, sign).ok_or(DepthError::NoRow)?;
-    // The same as α·v / w.
-    let on_v = |(a, a0): (DVec4, f64)| {
+    // The same as α·u / w, and as a row on v.
+    let on_u = |(a, a0): (DVec4, f64)| {
         let row = a * scale;
         (row, a0 - row.dot(centre))
     };
+    let on_v = |row: DVec4, constant: f64| (0..4).fold(by_w * constant, |sum, k| sum + basis[k] * row[k]);
     for _ in 0..ROUNDS {
-        let (row, constant) = on_v(solution);
-        let alpha = row + by_w * constant;
+        let (row, constant) = on_u(solution);
+        let alpha = on_v(row, constant);
         let before = chosen.len();
         for alpha in [alpha, -alpha] {
             let worst = kept.largest(alpha, by_w, 1.0 + VIOLATION, VIOLATION);
@@ -103,24 +143,28 @@ pub fn fit_row(kept: &Kept, plain: bool) -> Result<DepthRow, DepthError> {
     }
 
     // Back to v, then the exact scaling into [-1, 1].
-    let (row, constant) = on_v(solution);
-    let alpha = row + by_w * constant;
+    let (row, constant) = on_u(solution);
+    let alpha = on_v(row, constant);
     let (hi, lo) = (extreme(alpha, by_w, VIOLATION).0, -extreme(-alpha, by_w, VIOLATION).0);
     let half = ((hi - lo) * 0.5).max(f64::MIN_POSITIVE) * (1.0 + MARGIN);
     let middle = (hi + lo) * 0.5;
     let flat = hi - lo <= f64::EPSILON;
     let (row, constant) = if flat { (DVec4::ZERO, 0.0) } else { (row / half, (constant - middle) / half) };
 
-    let q_row = row.truncate() + p4 * constant;
-    let e_row = if space.directional { space.along_row() * row.w } else { DVec4::new(0.0, 0.0, 0.0, row.w) };
-    let row = space.row_from_q(q_row) + e_row;
-    if !row.is_finite() {
+    // B over w falls by B / (distance of the centre) a metre, at w = 1 there: comparable with a factor on metres.
+    let strength = row.w.abs() / if by_constant { space.offset.length() } else { 1.0 };
+    let on_scene = if by_constant {
+        space.row_from_q(row.truncate() + p4 * constant) + DVec4::W * row.w
+    } else {
+        kept.scene_row(on_v(row, constant))
+    };
+    if !on_scene.is_finite() {
         return Err(DepthError::NoRow);
     }
     // A point light's axes are orthonormal, so w / |p4| is in metres along the view axis.
-    let (depth, one) = if space.directional { (DVec4::W, DVec4::Z) } else { (by_w / p4.length(), DVec4::W) };
+    let (depth, one) = if space.directional { (DVec4::W, DVec4::Z) } else { (by_w / p4.length(), kept.one()) };
     let (far_m, near_m) = (extreme(depth, one, VIOLATION).0, -extreme(-depth, one, VIOLATION).0);
-    Ok(DepthRow { row, near_m, far_m })
+    Ok((DepthRow { row: on_scene, near_m, far_m, plain }, strength))
 }
 
 /// Points extreme in fixed directions of the four-dimensional box.
@@ -197,6 +241,38 @@ mod tests {
         ]
     }
 
+    /// A lamp keeps a camera's row where its view axis looks along the light, and not where it looks aside; so far out that
+    /// it is a sun, its row is as steep as the sun's.
+    #[test]
+    fn a_far_lamp_under_a_warp_has_a_row_like_the_suns() {
+        let triangles = triangles();
+        let bvh = Bvh::build(&triangles);
+        let geometry = Geometry::plain(&triangles, &[]);
+        let tracer = Tracer::new(geometry, &bvh, None);
+        let points: Vec<DVec3> = (0..3200).map(|i| geometry.triangle_f64(i).iter().sum::<DVec3>() / 3.0).collect();
+        let visible = Visible::new(&points);
+        let direction = DVec3::new(0.4, -1.0, 0.2).normalize();
+        let sun = LightSpace::around(&Light { name: "s".into(), kind: LightKind::Directional { direction } }, &points);
+        let sun = sun.unwrap();
+        for distance in [1e6, 1e9, 1e12] {
+            let lamp = LightSpace::perspective(sun.center - direction * distance, direction, sun.center);
+            for (h, warped) in warps().into_iter().zip([false, true, true]) {
+                // q of the lamp is `distance` times the sun's.
+                let as_lamp = DMat3::from_diagonal(DVec3::new(1.0, 1.0, 1.0 / distance));
+                let row = |space: &LightSpace, h: DMat3, kind| {
+                    fit_row(&Kept::new(&tracer, space, &h, &visible, &Domain::All), kind).unwrap()
+                };
+                let of_lamp = row(&lamp, h * as_lamp, RowKind::PlainIfFine);
+                assert_eq!(of_lamp.plain, !warped, "{distance:e}");
+                let of_sun = row(&sun, h, if warped { RowKind::Free } else { RowKind::Plain });
+                // Clip depth a metre along the light. What is kept differs a little: behind the receivers is by w for a lamp.
+                let steepness = |row: DepthRow| row.row.truncate().dot(direction);
+                let ratio = steepness(of_lamp) / steepness(of_sun);
+                assert!((0.8..1.25).contains(&ratio), "{distance:e}: {ratio}");
+            }
+        }
+    }
+
     /// The row from searches equals the one from a list of everything kept.
     #[test]
     fn searches_find_what_a_list_holds() {
@@ -218,7 +294,8 @@ mod tests {
             let h = if space.directional { h } else { h * DMat3::from_diagonal(DVec3::new(1.0, 1.0, 1.0 / 9.0)) };
             let kept = Kept::new(&tracer, &space, &h, &visible, &Domain::All);
             let plain = h.row(2).truncate() == glam::DVec2::ZERO;
-            let row = fit_row(&kept, plain).unwrap();
+            let row = fit_row(&kept, if plain { RowKind::Plain } else { RowKind::Free }).unwrap();
+            assert_eq!(row.plain, plain);
             let list = kept.list();
             assert!(list.len() > 100, "{}", list.len());
             let rows = h.row(2);
@@ -229,25 +306,30 @@ mod tests {
             let alpha = if space.directional {
                 DVec4::new(on_q.x, on_q.y, constant, on_q.z)
             } else {
-                on_q.extend(constant - on_q.dot(space.offset))
+                on_q.extend(0.0) + kept.one() * (constant - on_q.dot(space.offset))
             };
+            let one = |v: &DVec4| kept.one().dot(*v);
             let ends = |f: &dyn Fn(&DVec4) -> f64| {
                 list.iter().map(f).fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), z| (lo.min(z), hi.max(z)))
             };
             let (lo, hi) = ends(&|v| alpha.dot(*v) / w(v));
             assert!((-1.0..-0.9999).contains(&lo) && (0.9999..=1.0).contains(&hi), "{lo} {hi}");
-            let (near, far) = ends(&|v| if space.directional { v.w } else { w(v) / rows.length() });
+            let (near, far) = ends(&|v| if space.directional { v.w } else { w(v) / rows.length() / one(v) });
             let accuracy = (far - near) * VIOLATION;
             assert!((row.near_m - near).abs() <= accuracy && (row.far_m - far).abs() <= accuracy);
             // The linear program over all.
+            let by_constant = plain && !space.directional;
             let keep = if plain { DVec4::W } else { DVec4::ONE };
-            let y: Vec<DVec4> = list.iter().map(|v| *v / w(v) * keep).collect();
-            let sign = if space.directional { 1.0 } else { -1.0 };
+            let last = |v: &DVec4| if by_constant { one(v) } else { v.w };
+            let y: Vec<DVec4> = list.iter().map(|v| v.truncate().extend(last(v)) / w(v) * keep).collect();
+            let sign = if by_constant { -1.0 } else { 1.0 };
             let (a, a0) = solve(&y, sign).unwrap();
             let (lo, hi) =
                 y.iter().map(|v| a.dot(*v) + a0).fold((1.0, -1.0), |(l, h): (f64, f64), z| (l.min(z), h.max(z)));
             let best = a.w / ((hi - lo) * 0.5);
-            assert!((alpha.w / best - 1.0).abs() < 1e-3, "{} {best}", alpha.w);
+            // Of the row's own factor: on 1, which stands for -e over the distance of the centre, or on e.
+            let own = if by_constant { -alpha.w * space.offset.z } else { alpha.w };
+            assert!((own / best - 1.0).abs() < 1e-3, "{own} {best}");
             flat += usize::from(plain);
         }
         assert_eq!(flat, 2);

@@ -26,10 +26,10 @@ pub enum Aspect {
 
 /// Longest map relative to its height (or the reverse) that a free aspect may choose: beyond it a 16384-texel limit
 /// binds before the budget does.
-const ASPECT_MAX: f64 = 16.0;
+pub(super) const ASPECT_MAX: f64 = 16.0;
 
 /// Smallest |sin| of the angle between the two axes of a map. Below it the texels are slivers and f32 loses them.
-const SIN_MIN: f64 = 0.05;
+pub(super) const SIN_MIN: f64 = 0.05;
 
 /// The best affine part for one p4.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -5,12 +5,14 @@
 //! for each the affine part is found over pairs of angles (math note §4).
 
 mod affine;
+mod near;
 mod normalise;
 mod params;
 mod polar;
 mod search;
 
 pub use affine::{AffineFit, Aspect, fit_affine, refine_affine};
+pub use near::{RowsAndAspect, Step, near};
 pub use normalise::{Normalisation, normalise, normalise_similar};
 pub use params::{Effort, Shape};
 pub use polar::PolarPolygon;

@@ -16,13 +16,16 @@ const EXTENT_MIN: f64 = 1e-6;
 
 /// Takes a convex polygon (counter-clockwise, in the plane q3 = 1) to [-1, 1]² with its centroid at 0 and equal second
 /// moments. `None` for an empty polygon, or one whose points are all the same.
+///
+/// Both are those of the area, and the first axis points to the farther end, so that equal polygons get equal coordinates
+/// whatever the frame of the plane and however many vertices rounding leaves along a side: a search that stops at a
+/// tolerance then takes the same steps.
 pub fn normalise(hull: &[DVec2]) -> Option<Normalisation> {
     let centre = centroid(hull)?;
-    let covariance = hull.iter().fold(DMat2::ZERO, |m, p| {
-        let d = *p - centre;
-        m + DMat2::from_cols(d * d.x, d * d.y)
-    });
-    let (axis, major, minor) = principal(covariance);
+    let (axis, major, minor) = principal(second_moments(hull, centre)?);
+    let (low, high) =
+        hull.iter().map(|p| (*p - centre).dot(axis)).fold((0.0, 0.0), |(lo, hi): (f64, f64), d| (lo.min(d), hi.max(d)));
+    let axis = if -low > high { -axis } else { axis };
     let across = axis.perp();
     if major <= 0.0 || !major.is_finite() {
         return None;
@@ -72,6 +75,27 @@ impl Normalisation {
     }
 }
 
+/// Largest part of its size squared that the area of a polygon has which counts as none.
+fn area_least(hull: &[DVec2], first: DVec2) -> f64 {
+    hull.iter().map(|p| (*p - first).length_squared()).fold(0.0, f64::max) * EXTENT_MIN
+}
+
+/// Second moments about a centre, but for a factor: of the area, or of the vertices where that is none.
+fn second_moments(hull: &[DVec2], centre: DVec2) -> Option<DMat2> {
+    let first = *hull.first()?;
+    let outer = |a: DVec2, b: DVec2| DMat2::from_cols(a * b.x, a * b.y);
+    let next = hull.iter().cycle().skip(1);
+    let (mut area, mut of_area, mut of_vertices) = (0.0, DMat2::ZERO, DMat2::ZERO);
+    for (a, b) in hull.iter().zip(next).map(|(a, b)| (*a - centre, *b - centre)) {
+        let cross = a.perp_dot(b);
+        area += cross;
+        // A triangle with a corner at the centre: ∫ p pᵀ = (a aᵀ + b bᵀ + (a + b)(a + b)ᵀ) / 24 times the cross product.
+        of_area += (outer(a, a) + outer(b, b) + outer(a + b, a + b)) * cross;
+        of_vertices += outer(a, a);
+    }
+    Some(if area > area_least(hull, first) { of_area } else { of_vertices })
+}
+
 /// Area centroid of a convex polygon; the mean of its points when it has no area.
 fn centroid(hull: &[DVec2]) -> Option<DVec2> {
     let first = *hull.first()?;
@@ -82,8 +106,7 @@ fn centroid(hull: &[DVec2]) -> Option<DVec2> {
         area += cross;
         sum += (a + b) * cross;
     }
-    let size = hull.iter().map(|p| (*p - first).length_squared()).fold(0.0, f64::max);
-    if area > size * EXTENT_MIN {
+    if area > area_least(hull, first) {
         Some(first + sum / (3.0 * area))
     } else {
         Some(first + hull.iter().fold(DVec2::ZERO, |s, p| s + (*p - first)) / hull.len() as f64)
@@ -113,6 +136,21 @@ mod tests {
         for p in hull {
             let q = n.point(p);
             assert!((q.abs() - DVec2::ONE).length() < 1e-5, "{q}"); // 2e7 / 0.01 * 2^-53
+        }
+    }
+
+    #[test]
+    fn points_along_sides_and_the_frame_change_nothing() {
+        let corners = [(-2.0, 0.0), (3.0, -1.0), (4.0, 2.0), (0.0, 2.5)].map(|(x, y)| DVec2::new(x, y));
+        let along = |t: f64| corners[0].lerp(corners[1], t) - DVec2::new(0.0, 1e-12);
+        let more = [corners[0], along(0.1), along(0.2), along(0.7), corners[1], corners[2], corners[3]];
+        let turn = DVec2::from_angle(2.3);
+        let turned: Vec<DVec2> = corners.iter().map(|p| turn.rotate(*p) * 40.0 + DVec2::splat(7.0)).collect();
+        let reference = normalise(&corners).unwrap();
+        for (k, corner) in corners.iter().enumerate() {
+            let at = reference.point(*corner);
+            assert!((normalise(&more).unwrap().point(*corner) - at).length() < 1e-11);
+            assert!((normalise(&turned).unwrap().point(turned[k]) - at).length() < 1e-13);
         }
     }
 

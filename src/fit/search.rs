@@ -78,21 +78,8 @@ pub struct Fit {
 }
 
 impl FitProblem<'_> {
-    /// p4 and the base rows for (a, b).
     fn rows(&self, ab: DVec2) -> [DVec3; 3] {
-        let p4 = ab.extend(1.0);
-        if self.shape != Shape::Rectangle {
-            return [DVec3::X, DVec3::Y, p4];
-        }
-        // A plain camera: base rows orthonormal in the light's own frame, perpendicular to its view axis.
-        let (e1, e2) = if self.directional {
-            (DVec3::X, DVec3::Y)
-        } else {
-            let axis = self.normalisation.normal_from_plane.transpose() * p4;
-            let e1 = axis.normalize().any_orthonormal_vector();
-            (e1, axis.cross(e1).normalize())
-        };
-        [self.normalisation.row(e1), self.normalisation.row(e2), p4]
+        base_rows(self.shape, self.directional, self.normalisation, ab)
     }
 
     /// A lower bound of the objective at (a, b); infinite where that is not legal.
@@ -103,6 +90,23 @@ impl FitProblem<'_> {
     fn affine(&self, hull: &[DVec2], ab: DVec2) -> Option<AffineFit> {
         AffineProblem::new(self.moments, hull, &self.rows(ab))?.flush(self.aspect, self.shape)
     }
+}
+
+/// The base rows b1, b2 and p4 = (a, b, 1) of what a shape allows.
+pub(super) fn base_rows(shape: Shape, directional: bool, normalisation: &Normalisation, ab: DVec2) -> [DVec3; 3] {
+    let p4 = ab.extend(1.0);
+    if shape != Shape::Rectangle {
+        return [DVec3::X, DVec3::Y, p4];
+    }
+    // A plain camera: base rows orthonormal in the light's own frame, perpendicular to its view axis.
+    let (e1, e2) = if directional {
+        (DVec3::X, DVec3::Y)
+    } else {
+        let axis = normalisation.normal_from_plane.transpose() * p4;
+        let e1 = axis.normalize().any_orthonormal_vector();
+        (e1, axis.cross(e1).normalize())
+    };
+    [normalisation.row(e1), normalisation.row(e2), p4]
 }
 
 /// Minimises over all eight parameters. `starts` are (a, b) known to be good. `None` when no legal parameter gives a
@@ -164,8 +168,8 @@ pub fn at(problem: &FitProblem, ab: DVec2, tolerance: f64) -> Option<Fit> {
     finish(problem, ab, 1, 0.0, tolerance, Termination::NothingToSearch)
 }
 
-/// The same by a dense polar grid (96 directions x 48 radii) and a simplex from each of its 24 best points: slow and
-/// simple, the yardstick of [`minimise`].
+/// [`minimise`] by a dense polar grid (96 directions x 48 radii) and a simplex from each of its 24 best points: slow and
+/// simple, its yardstick.
 pub fn minimise_exhaustive(problem: &FitProblem, tolerance: f64) -> Option<Fit> {
     let polar = PolarPolygon::new(problem.hull);
     let fractions: Vec<f64> = (1..=48).map(|k| (f64::from(k) / 48.5 * std::f64::consts::FRAC_PI_2).sin()).collect();

@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 use super::{Job, is_scene_file};
 use crate::methods::SolverParams;
 use crate::resolution::SIZE_MAX;
-use crate::scene::{LightKindName, LightParams};
+use crate::scene::{FILM_PIXELS_MAX, LightKindName, LightParams};
 
 /// A value that a job may not have.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -59,6 +59,9 @@ pub fn check(job: &Job) -> Result<(), Problem> {
         for side in [width, height] {
             require((1..=SIZE_MAX).contains(&side), "image.size", side, &format!("1 to {SIZE_MAX} pixels"))?;
         }
+        let pixels = u64::from(width) * u64::from(height);
+        let limit = format!("at most {FILM_PIXELS_MAX} pixels in all; render in tiles");
+        require(pixels <= FILM_PIXELS_MAX, "image.size", format!("{width} x {height}"), &limit)?;
     }
     camera::check(&job.camera)?;
     let mut names = BTreeSet::new();
@@ -71,9 +74,12 @@ pub fn check(job: &Job) -> Result<(), Problem> {
     }
     settings::quality(&job.quality)?;
     settings::map(&job.map)?;
+    settings::texels(&job.map, &job.solver)?;
     settings::sampling(&job.sampling)?;
     settings::solver(&job.solver)?;
-    settings::shot(&job.shot, &job.map)
+    settings::shot(&job.shot, &job.map)?;
+    settings::lookup(job)?;
+    settings::budget(job)
 }
 
 /// Checks `[solver]` alone.
@@ -154,6 +160,10 @@ fn light(key: &str, params: &LightParams) -> Result<(), Problem> {
     }
     if let Some(position) = params.position {
         finite(&format!("{key}.position"), &position)?;
+    }
+    if let Some(importance) = params.importance {
+        let allowed = "a finite number of at least 0";
+        require(importance >= 0.0 && importance.is_finite(), &format!("{key}.importance"), importance, allowed)?;
     }
     if let Some(cone) = params.cone {
         require(cone > 0.0 && cone <= 90.0, &format!("{key}.cone"), cone, "above 0 and at most 90 degrees")?;

@@ -15,7 +15,7 @@ pub enum Preset {
     /// Every size measured; the search stops within a thousandth of its optimum.
     #[default]
     Standard,
-    /// Finer samples, a global search, finer steps of size.
+    /// Finer samples, a search that states its gap, four times the rounds of choosing by measurement.
     Thorough,
 }
 
@@ -30,10 +30,11 @@ impl Preset {
     }
 }
 
-/// Lays `upper` over `lower`. Tables merge key by key, everything else is replaced. Two exceptions keep meanings whole:
+/// Lays `upper` over `lower`. Tables merge key by key, everything else is replaced. Some exceptions keep meanings whole:
 /// * `camera` is replaced as one: its keys are alternatives, and a name laid over a pose must not keep the pose;
-/// * an `upper` that changes `quality.bound` drops a `lower` epsilon, which has the other bound's unit.
-pub(super) fn lay_over(lower: &mut Table, upper: &Table) {
+/// * an `upper` that changes `quality.bound` drops a `lower` epsilon, which has the other bound's unit;
+/// * `budget` is replaced as one, and an `upper` epsilon without a budget drops it: a plan has either for its goal.
+pub(crate) fn lay_over(lower: &mut Table, upper: &Table) {
     let bound = |job: &Table| job.get("quality").and_then(|q| q.get("bound")).cloned();
     let default_bound = || Value::try_from(Bound::default()).ok();
     if bound(upper).is_some_and(|b| Some(b) != bound(lower).or_else(default_bound))
@@ -41,8 +42,11 @@ pub(super) fn lay_over(lower: &mut Table, upper: &Table) {
     {
         quality.remove("epsilon");
     }
-    if upper.contains_key("camera") {
-        lower.remove("camera");
+    let epsilon = upper.get("quality").is_some_and(|q| q.get("epsilon").is_some());
+    for (key, replaced) in [("camera", false), ("budget", epsilon)] {
+        if replaced || upper.contains_key(key) {
+            lower.remove(key);
+        }
     }
     merge(lower, upper);
 }

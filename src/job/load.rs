@@ -31,6 +31,23 @@ impl LoadedJob {
         self.job.scene.iter().map(|scene| scene.at(self.dir.join(scene.path()))).collect()
     }
 
+    /// The same job with settings laid over all of its own.
+    ///
+    /// # Errors
+    /// [`JobError::Override`] for settings that no job may have, or that do not go with this one.
+    pub fn with(&self, settings: &Table) -> Result<LoadedJob, JobError> {
+        let unwritable = |e: toml::ser::Error| Problem {
+            key: "job".to_owned(),
+            message: format!("it cannot be written as TOML: {e}"),
+            help: "please report this with the job".to_owned(),
+        };
+        let mut table = Table::try_from(&self.job).map_err(|e| JobError::Override(unwritable(e)))?;
+        lay_over(&mut table, settings);
+        let job = Job::deserialize(table).map_err(|e| JobError::Override(locate::table_problem(&e)))?;
+        check(&job).map_err(JobError::Override)?;
+        Ok(LoadedJob { job, ..self.clone() })
+    }
+
     /// `[camera]`, with a path that can be opened.
     pub fn camera(&self) -> CameraParams {
         let camera = self.job.camera.clone();

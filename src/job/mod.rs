@@ -20,6 +20,8 @@ use serde::de::value::{MapAccessDeserializer, StrDeserializer};
 use serde::de::{self, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
+use crate::budget::BudgetParams;
+use crate::measure::LookupParams;
 use crate::methods::SolverParams;
 use crate::resolution::{MapParams, QualityParams};
 use crate::samples::SamplingParams;
@@ -29,6 +31,7 @@ use crate::shot::TemporalParams;
 pub use check::{Problem, check, check_solver};
 pub use error::{JobError, Located};
 pub use layers::Preset;
+pub(crate) use layers::lay_over;
 pub use load::{LoadedJob, load};
 
 /// A job file, as written by a user or as resolved from all layers.
@@ -48,6 +51,9 @@ pub struct Job {
     #[serde(deserialize_with = "animations", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Option<OneOrMany<String>>")]
     pub animation: Option<Vec<String>>,
+    /// Scene files may name files outside their own folders (buffers, images, material libraries).
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub allow_outside: bool,
     /// The settings that the job and the command line are laid over.
     pub preset: Preset,
     /// Which moments are planned.
@@ -65,12 +71,26 @@ pub struct Job {
     pub quality: QualityParams,
     /// What maps may look like.
     pub map: MapParams,
+    /// What a renderer makes of the maps' answers.
+    #[serde(skip_serializing_if = "is_plain")]
+    pub lookup: LookupParams,
     /// How finely shadow edges are looked for.
     pub sampling: SamplingParams,
     /// How matrices are found.
     pub solver: SolverParams,
     /// How the maps of neighbouring frames hang together.
     pub shot: TemporalParams,
+    /// Limits on texels, instead of the bound.
+    #[serde(skip_serializing_if = "is_default")]
+    pub budget: BudgetParams,
+}
+
+fn is_default(budget: &BudgetParams) -> bool {
+    !budget.is_given()
+}
+
+fn is_plain(lookup: &LookupParams) -> bool {
+    *lookup == LookupParams::default()
 }
 
 /// The two ways of writing `scene` and `animation`, for the schema only.

@@ -87,6 +87,29 @@ pub fn support_subset(hull: &[DVec2], count: usize) -> Vec<DVec2> {
     hull.iter().zip(keep).filter_map(|(p, k)| k.then_some(*p)).collect()
 }
 
+/// A convex polygon without the vertices that lie within `distance` of the sides that close over them: what rounding leaves
+/// along straight sides and about corners, where such sides would point anywhere. Begins at its farthest vertex from the
+/// middle, a corner whatever the rounding; at least three vertices stay.
+pub fn without_flat(hull: &[DVec2], distance: f64) -> Vec<DVec2> {
+    let n = hull.len();
+    let middle = hull.iter().fold(DVec2::ZERO, |sum, p| sum + *p) / n.max(1) as f64;
+    let farther = |a: usize, b: usize| if hull[b].distance(middle) > hull[a].distance(middle) { b } else { a };
+    let first = (0..n).reduce(farther).unwrap_or(0);
+    let at = |k: usize| hull[(first + k) % n];
+    let mut kept: Vec<usize> = Vec::with_capacity(n);
+    for k in 0..n {
+        // All vertices since the last one kept lie near the line from it to the next one.
+        let flat = kept.last().is_some_and(|&before| {
+            let (from, along) = (at(before), at(k + 1) - at(before));
+            (before + 1..=k).all(|j| along.perp_dot(at(j) - from).abs() <= distance * along.length())
+        });
+        if !flat || kept.len() + (n - k - 1) < 3 {
+            kept.push(k);
+        }
+    }
+    kept.into_iter().map(at).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -124,6 +147,35 @@ mod tests {
         assert!(convex_hull(&[]).is_empty());
         assert_eq!(convex_hull(&[DVec2::ONE, DVec2::ONE]).len(), 1);
         assert_eq!(convex_hull(&(0..9).map(|i| DVec2::splat(f64::from(i))).collect::<Vec<_>>()).len(), 2);
+    }
+
+    #[test]
+    fn flat_vertices_go_and_corners_stay() {
+        let at = |x: f64, y: f64| DVec2::new(x, y);
+        let corners = [at(0.0, 0.0), at(1.0, 0.0), at(1.0, 1.0), at(0.0, 1.0)];
+        let hull = [
+            at(0.0, 0.0),
+            at(0.3, -1e-9),
+            at(0.6, -1e-9),
+            at(1.0, 0.0),
+            at(1.0 + 1e-9, 1e-9),
+            at(1.0, 1.0),
+            at(0.0, 1.0),
+        ];
+        let found = without_flat(&hull, 1e-6);
+        assert_eq!(found.len(), 4, "{found:?}");
+        let is_corner = |p: &DVec2| corners.iter().any(|q| (*p - *q).length() < 1e-8);
+        assert!(found.iter().all(is_corner), "{found:?}");
+        assert_eq!(without_flat(&corners, 1e-6).len(), 4);
+        for few in 0..=3 {
+            assert_eq!(without_flat(&vec![DVec2::ONE; few], 1.0).len(), few);
+        }
+        assert_eq!(without_flat(&corners, 9.0).len(), 3);
+        // A smooth polygon loses no more than the distance.
+        let circle: Vec<DVec2> = (0..3600).map(|i| DVec2::from_angle((0.1 * f64::from(i)).to_radians())).collect();
+        let thinned = without_flat(&circle, 1e-4);
+        let inner = (0..thinned.len()).map(|k| thinned[k].midpoint(thinned[(k + 1) % thinned.len()]).length());
+        assert!(thinned.len() < 1900 && inner.fold(1.0, f64::min) > 1.0 - 2e-4, "{}", thinned.len());
     }
 
     #[test]

@@ -106,6 +106,12 @@ impl Verdict {
         let certain = self.certain.wrong() as f64;
         certain <= limit && certain + self.uncertain as f64 <= UNCERTAIN_SLACK * limit
     }
+
+    /// The smallest limit that is met, wrong pixels.
+    pub fn least_limit(&self) -> f64 {
+        let certain = self.certain.wrong() as f64;
+        certain.max((certain + self.uncertain as f64) / UNCERTAIN_SLACK)
+    }
 }
 
 #[cfg(test)]
@@ -122,5 +128,6 @@ mod tests {
         assert!(!verdict(60, 40, 16).meets(100.0));
         assert!(!verdict(60, 41, 0).meets(100.0));
         assert!(verdict(0, 0, 0).meets(0.0));
+        assert_eq!([verdict(60, 40, 10).least_limit(), verdict(10, 5, 100).least_limit()], [100.0, 100.0]);
     }
 }

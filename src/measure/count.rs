@@ -74,19 +74,31 @@ pub fn look_up(maps: &[Drawn], point: DVec3) -> Looked {
 
 /// Looks a scene point up in one map, whatever its domain.
 fn look_up_in(drawn: &Drawn, point: DVec3) -> Looked {
+    let Some([u, v, z]) = place_in(drawn, point) else { return Looked::Outside };
+    let stored = drawn.map.depth[v as usize * drawn.map.width as usize + u as usize];
+    Looked::Answered { shadowed: z.clamp(0.0, 1.0) as f32 > stored }
+}
+
+/// Where a scene point lies in a map, texels, and its window depth; `None` outside.
+fn place_in(drawn: &Drawn, point: DVec3) -> Option<[f64; 3]> {
     let clip = drawn.clip_from_scene * point.extend(1.0);
     if clip.w <= 0.0 {
-        return Looked::Outside;
+        return None;
     }
     let (width, height) = (f64::from(drawn.map.width), f64::from(drawn.map.height));
     let u = (clip.x / clip.w * 0.5 + 0.5) * width;
     let v = (clip.y / clip.w * 0.5 + 0.5) * height;
-    if !(u >= 0.0 && u < width && v >= 0.0 && v < height) {
-        return Looked::Outside;
-    }
-    let depth = (clip.z / clip.w * 0.5 + 0.5).clamp(0.0, 1.0) as f32;
-    let stored = drawn.map.depth[v as usize * drawn.map.width as usize + u as usize];
-    Looked::Answered { shadowed: depth > stored }
+    let inside = u >= 0.0 && u < width && v >= 0.0 && v < height;
+    inside.then_some([u, v, clip.z / clip.w * 0.5 + 0.5])
+}
+
+/// How near a scene point is looked up to the centre of its texel, in the maximum norm: 1 there, 0 at the texel's border;
+/// `None` where no map holds it.
+pub(super) fn confidence(maps: &[Drawn], point: DVec3) -> Option<f64> {
+    let drawn = maps.iter().find(|m| m.domain.holds(point))?;
+    let [u, v, _] = place_in(drawn, point)?;
+    let off = |c: f64| 2.0 * (c.fract() - 0.5).abs();
+    Some(1.0 - off(u).max(off(v)))
 }
 
 /// Looks every receiver up.
@@ -112,32 +124,26 @@ pub fn count(receivers: &Receivers, maps: &[Drawn], outside: Outside) -> Counts 
 
 /// Indices of the receivers that are answered wrongly, ascending.
 pub fn wrong(receivers: &Receivers, maps: &[Drawn], outside: Outside) -> Vec<u32> {
-    by_chunk(receivers, |range| {
-        let mut wrong = Vec::new();
-        answers(receivers, maps, range, |i, looked| {
-            if answer_of(looked, outside) != receivers.shadowed[i] {
-                wrong.push(i as u32);
-            }
-        });
-        wrong
-    })
-    .concat()
+    fewer_wrong(receivers, maps, outside, u64::MAX).unwrap_or_default()
 }
 
-/// The number of receivers that are answered wrongly, if that is less than `limit`; counting ends where it is not.
-pub fn fewer_wrong(receivers: &Receivers, maps: &[Drawn], outside: Outside, limit: u64) -> Option<u64> {
+/// [`wrong`], if there are fewer than `limit`; looking up ends where there are not.
+pub fn fewer_wrong(receivers: &Receivers, maps: &[Drawn], outside: Outside, limit: u64) -> Option<Vec<u32>> {
     let found = AtomicU64::new(0);
-    by_chunk(receivers, |range| {
+    let wrong = by_chunk(receivers, |range| {
+        let mut wrong = Vec::new();
         if found.load(Ordering::Relaxed) < limit {
-            let mut wrong = 0;
             answers(receivers, maps, range, |i, looked| {
-                wrong += u64::from(answer_of(looked, outside) != receivers.shadowed[i]);
+                if answer_of(looked, outside) != receivers.shadowed[i] {
+                    wrong.push(i as u32);
+                }
             });
-            found.fetch_add(wrong, Ordering::Relaxed);
+            found.fetch_add(wrong.len() as u64, Ordering::Relaxed);
         }
+        wrong
     });
     // Chunks were left out only when those before them held `limit` already.
-    Some(found.into_inner()).filter(|wrong| *wrong < limit)
+    (found.into_inner() < limit).then(|| wrong.concat())
 }
 
 /// Receivers that one thread takes at a time.
@@ -210,8 +216,8 @@ mod tests {
                 assert!(all > 1000);
                 assert_eq!(wrong(&receivers, &maps, outside), one_by_one);
                 assert_eq!(count(&receivers, &maps, outside).wrong(), all);
-                for (limit, found) in [(u64::MAX, Some(all)), (all + 1, Some(all)), (all, None), (100, None), (0, None)]
-                {
+                for limit in [u64::MAX, all + 1, all, 100, 0] {
+                    let found = (limit > all).then(|| one_by_one.clone());
                     assert_eq!(fewer_wrong(&receivers, &maps, outside, limit), found);
                 }
             }

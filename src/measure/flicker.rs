@@ -11,6 +11,7 @@ use crate::scene::{Camera, Film, Light};
 use crate::visibility::{Answer, NO_TRIANGLE, RayOffset, Surface, Tracer, View, answer, surface_at};
 use glam::DVec3;
 use rayon::prelude::*;
+use std::ops::Add;
 
 /// What can be asked of a frame.
 #[derive(Clone, Copy)]
@@ -57,9 +58,9 @@ pub fn reproject(before: &Moment, now: &Moment, view: &View) -> Vec<Option<Earli
             return None;
         }
         let position = view.surface(now.tracer, now.camera, pixel)?.position;
-        let still = (index as usize) < then.still.len();
+        let still = (index as usize) < then.still_len();
         // A triangle that has lost its area in one of the frames shifts the numbers of those after it.
-        if !still && then.moving.len() != today.moving.len() {
+        if !still && then.moving_len() != today.moving_len() {
             return None;
         }
         let moved = !still && then.triangle(index) != today.triangle(index);
@@ -106,25 +107,61 @@ pub fn flicker(
     light: &LightThenNow,
     outside: Outside,
 ) -> Flickering {
-    let one = |i: usize| -> Flickering {
-        let Some(Some(earlier)) = earlier.get(receivers.pixels[i] as usize) else { return Flickering::default() };
-        let then = answers_shadowed(light.maps_then, earlier.surface.position, outside);
-        let now = answers_shadowed(light.maps_now, receivers.positions[i], outside);
-        let exact = answer(before.tracer, &earlier.surface, light.then, before.offset);
-        let same = exact == if receivers.shadowed[i] { Answer::Shadowed } else { Answer::Lit };
-        let flickers = u64::from(same && then != now);
+    let one = |i: usize| compared(before, earlier, receivers, light, outside, i);
+    (0..receivers.len()).into_par_iter().with_min_len(1024).map(one).reduce(Flickering::default, Add::add)
+}
+
+/// The receivers that flicker, ascending, on surfaces that moved or not.
+pub fn flickering(
+    before: &Moment,
+    earlier: &[Option<Earlier>],
+    receivers: &Receivers,
+    light: &LightThenNow,
+    outside: Outside,
+) -> Vec<u32> {
+    let flickers = |i: &u32| {
+        let found = compared(before, earlier, receivers, light, outside, *i as usize);
+        found.still + found.moved > 0
+    };
+    (0..receivers.len() as u32).into_par_iter().with_min_len(1024).filter(flickers).collect()
+}
+
+/// One receiver.
+fn compared(
+    before: &Moment,
+    earlier: &[Option<Earlier>],
+    receivers: &Receivers,
+    light: &LightThenNow,
+    outside: Outside,
+    i: usize,
+) -> Flickering {
+    let Some(Some(earlier)) = earlier.get(receivers.pixels[i] as usize) else { return Flickering::default() };
+    let then = answers_shadowed(light.maps_then, earlier.surface.position, outside);
+    let now = answers_shadowed(light.maps_now, receivers.positions[i], outside);
+    let exact = answer(before.tracer, &earlier.surface, light.then, before.offset);
+    let same = exact == if receivers.shadowed[i] { Answer::Shadowed } else { Answer::Lit };
+    Flickering::of(same, then != now, earlier.moved)
+}
+
+impl Flickering {
+    /// Of one pixel, whose exact answer is the `same` in both frames or not and whose answer `changes` or not.
+    pub(super) fn of(same: bool, changes: bool, moved: bool) -> Flickering {
+        let flickers = u64::from(same && changes);
+        let (still, moved) = if moved { (0, flickers) } else { (flickers, 0) };
+        Flickering { still, moved, compared: u64::from(same) }
+    }
+}
+
+impl Add for Flickering {
+    type Output = Flickering;
+
+    fn add(self, other: Flickering) -> Flickering {
         Flickering {
-            still: if earlier.moved { 0 } else { flickers },
-            moved: if earlier.moved { flickers } else { 0 },
-            compared: u64::from(same),
+            still: self.still + other.still,
+            moved: self.moved + other.moved,
+            compared: self.compared + other.compared,
         }
-    };
-    let add = |a: Flickering, b: Flickering| Flickering {
-        still: a.still + b.still,
-        moved: a.moved + b.moved,
-        compared: a.compared + b.compared,
-    };
-    (0..receivers.len()).into_par_iter().with_min_len(1024).map(one).reduce(Flickering::default, add)
+    }
 }
 
 #[cfg(test)]

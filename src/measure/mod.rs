@@ -7,11 +7,15 @@ mod count;
 mod edge_distance;
 mod flicker;
 mod footprint;
+mod params;
 mod receivers;
+mod reprojection;
 
 pub use certainty::{Certainty, EDGE_ON_DEGREES, UNCERTAIN_SLACK, Verdict};
 pub use count::{Counts, Drawn, Looked, Outside, answers_shadowed, count, fewer_wrong, look_up, wrong};
 pub use edge_distance::edge_distance;
-pub use flicker::{Earlier, Flickering, LightThenNow, Moment, flicker, reproject};
+pub use flicker::{Earlier, Flickering, LightThenNow, Moment, flicker, flickering, reproject};
 pub use footprint::footprint;
+pub use params::{LookupParams, Smoothing};
 pub use receivers::Receivers;
+pub use reprojection::{Blended, Cache, Past, blend};

@@ -7,7 +7,7 @@
 use super::plane::Plane;
 use super::region::{Region, Report, texel_rows};
 use super::{Inapplicable, Inputs};
-use crate::fit::{Effort, Fit, FitProblem, PolarPolygon, Shape, at, minimise};
+use crate::fit::{self, Effort, Fit, FitProblem, PolarPolygon, Shape, Step, minimise};
 use crate::math::LightSpace;
 use crate::metric::{Metric, Moments, cost_and_moments, moments_of};
 use glam::{DVec2, DVec3};
@@ -68,13 +68,21 @@ pub(super) fn solve(inputs: &Inputs, axis: Option<DVec3>) -> Result<Region, Inap
     Ok(Region::new(plane, fit.rows, fit.aspect, report))
 }
 
-/// Maps near a region's own: its p4 moved by `step` of the way to the border of the legal ones in eight directions, each
-/// with the best affine part for the metric's moments at the region itself. For searches that measure.
-pub(super) fn neighbours(inputs: &Inputs, region: &Region, step: f64) -> Vec<Region> {
+/// The map a step away from a region's own, flush with what it covers. `None` where that is not legal.
+pub(super) fn near(inputs: &Inputs, region: &Region, step: &Step) -> Option<Region> {
     let plane = &region.plane;
-    let warp = inputs.shape == Shape::Projective || !plane.space.directional;
-    if plane.samples.is_empty() || !warp {
-        return Vec::new();
+    let allowed = (inputs.shape, inputs.aspect, plane.space.directional);
+    let (rows, aspect) = fit::near(&(region.rows, region.aspect), step, &plane.hull, &plane.normalisation, allowed)?;
+    Some(region.moved(rows, aspect))
+}
+
+/// The map with p4 a step away from a region's own, and the best affine part for the metric's moments at the region itself.
+/// `None` where that is not legal, or where nothing projective may change.
+pub(super) fn refitted(inputs: &Inputs, region: &Region, warp: DVec2) -> Option<Region> {
+    let plane = &region.plane;
+    let directional = plane.space.directional;
+    if plane.samples.is_empty() || (inputs.shape != Shape::Projective && directional) {
+        return None;
     }
     let rows = texel_rows(&region.rows, region.aspect, inputs.texels);
     let (_, moments) = cost_and_moments(&plane.samples, inputs.solver.metric, &rows);
@@ -84,18 +92,13 @@ pub(super) fn neighbours(inputs: &Inputs, region: &Region, step: f64) -> Vec<Reg
         normalisation: &plane.normalisation,
         aspect: inputs.aspect,
         shape: inputs.shape,
-        directional: plane.space.directional,
+        directional,
     };
     let p4 = region.rows[2];
     let ab = p4.truncate() / p4.z;
-    let polar = PolarPolygon::new(&plane.hull);
-    (0..8)
-        .filter_map(|k| {
-            let direction = DVec2::from_angle(std::f64::consts::FRAC_PI_4 * f64::from(k));
-            let fit = at(&problem, ab + direction * (step * polar.radius(direction)), inputs.solver.tolerance)?;
-            Some(region.moved(fit.rows, fit.aspect))
-        })
-        .collect()
+    let far = PolarPolygon::new(&plane.hull).radius(warp.normalize_or(DVec2::X));
+    let fit = fit::at(&problem, ab + warp * far, inputs.solver.tolerance)?;
+    Some(region.moved(fit.rows, fit.aspect))
 }
 
 /// The light plane of the region's cover, around a given axis or one of its own.

@@ -28,11 +28,11 @@ mod tsm;
 pub use params::{AreaOver, CascadeFit, CascadeSplit, PerspectiveMethod, SolverParams};
 pub use region::{Prediction, Region, Report};
 
-use crate::fit::{Aspect, Shape};
+use crate::fit::{Aspect, Shape, Step};
 use crate::math::{Bounds, LightSpaceError};
 use crate::samples::EdgePoint;
 use crate::scene::{Camera, Film, Light};
-use glam::{DVec3, DVec4};
+use glam::{DVec2, DVec3, DVec4};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -236,7 +236,12 @@ pub fn held(regions: &[Region], point: DVec3) -> bool {
     regions.iter().find(|r| r.domain.holds(point)).is_some_and(|r| r.contains(point))
 }
 
-/// Maps near a single region's own, for searches that measure; `step` is relative to the legal range of p4.
-pub fn neighbours(inputs: &Inputs, region: &Region, step: f64) -> Vec<Region> {
-    lixel::neighbours(inputs, region, step)
+/// The map a step away from a single region's own, for searches that measure. `None` where that is not legal.
+pub fn near(inputs: &Inputs, region: &Region, step: &Step) -> Option<Region> {
+    lixel::near(inputs, region, step)
+}
+
+/// The map with p4 a step away from a single region's own and the best affine part for it. `None` where that is not legal.
+pub fn refitted(inputs: &Inputs, region: &Region, warp: DVec2) -> Option<Region> {
+    lixel::refitted(inputs, region, warp)
 }

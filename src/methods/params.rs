@@ -22,8 +22,8 @@ pub struct SolverParams {
     pub tolerance: f64,
     /// How far the search goes.
     pub effort: Effort,
-    /// Rounds of choosing between maps by measured error, each among eight neighbours of the best map so far, before the
-    /// first of which the other metrics' and methods' answers are measured too. 0 = trust the metric. At most 20.
+    /// Rounds of choosing between maps by measured error, each among eight maps near the best one so far, before the first
+    /// of which the other metrics' and methods' answers are measured too. 0 = trust the metric. At most 1000.
     pub measured_rounds: u32,
     /// `partitioned`: most maps of a light (of each cube face, for a light among the geometry), 1 to 64.
     pub maps: u32,
@@ -128,7 +128,7 @@ impl Default for SolverParams {
             rounds: 6,
             tolerance: 0.001,
             effort: Effort::default(),
-            measured_rounds: 2,
+            measured_rounds: 12,
             maps: 4,
             tiles: 32,
             psm_infinity: 1.5,

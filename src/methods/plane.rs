@@ -1,8 +1,8 @@
 //! The covered points and edges of one region, in its light plane: what every method starts from.
 
 use super::Inputs;
-use crate::fit::{Normalisation, normalise, normalise_similar};
-use crate::math::{LightSpace, convex_hull};
+use crate::fit::{Normalisation, Shape, normalise, normalise_similar};
+use crate::math::{LightSpace, convex_hull, without_flat};
 use crate::metric::{EdgeSamples, volume};
 use crate::samples::EdgePoint;
 use glam::{DMat3, DVec2, DVec3};
@@ -11,6 +11,10 @@ use serde::{Deserialize, Serialize};
 /// Smallest |V| relative to |q| |T_1| |T_2|: a receiver nearer to edge-on is left out, and counted. At 1e-7 a texel is
 /// spread over ten million pixels' worth of surface; f64 sums still hold its square.
 const GRAZING: f64 = 1e-7;
+
+/// Vertices of a cover that stand out by less, in normalised coordinates of extent 1, are left out: f32 vertices round by
+/// as much. A part of the border that is left free inside a map, under warps too.
+const FLAT: f64 = 1e-6;
 
 /// Edge points in the normalised coordinates of a light plane, and the number left out because the light grazes their
 /// surface or they lie behind it. More points than `cap` are thinned evenly along the edges, with lengths scaled to keep
@@ -55,6 +59,8 @@ pub(super) struct Plane {
     pub(super) normalisation: Normalisation,
     pub(super) samples: EdgeSamples,
     pub(super) grazing: u64,
+    /// What the job allows.
+    pub(super) shape: Shape,
 }
 
 impl Plane {
@@ -79,9 +85,10 @@ impl Plane {
             return None;
         }
         let normalisation = if similar { normalise_similar(&hull)? } else { normalise(&hull)? };
-        let hull = hull.iter().map(|p| normalisation.point(*p)).collect();
+        let normal: Vec<DVec2> = hull.iter().map(|p| normalisation.point(*p)).collect();
+        let hull = without_flat(&normal, FLAT);
         let (samples, grazing) = edge_samples(edges, inputs.sample_cap, &space, &normalisation);
-        Some(Plane { space, hull, normalisation, samples, grazing })
+        Some(Plane { space, hull, normalisation, samples, grazing, shape: inputs.shape })
     }
 
     /// Normalised units per unit of the plane q3 = 1, where the normalisation is a similarity.

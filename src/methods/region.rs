@@ -1,7 +1,7 @@
 //! What a method returns.
 
 use super::plane::{Plane, edge_samples};
-use crate::fit::Termination;
+use crate::fit::{Shape, Termination};
 use crate::math::{Domain, LightSpace, RigidMotion};
 use crate::metric::{Metric, TexelRows, cost, inverse_jacobian_norm2};
 use crate::samples::EdgePoint;
@@ -127,7 +127,7 @@ impl Region {
         let plane = &self.plane;
         let (samples, grazing) = edge_samples(edges, cap, &plane.space, &plane.normalisation);
         let (hull, normalisation) = (plane.hull.clone(), plane.normalisation);
-        let plane = Plane { space: plane.space, hull, normalisation, samples, grazing };
+        let plane = Plane { space: plane.space, hull, normalisation, samples, grazing, shape: plane.shape };
         Region { plane: Arc::new(plane), ..self.clone() }
     }
 
@@ -138,11 +138,9 @@ impl Region {
         Some(Region { domain, space: self.space.carried(here_from_there), ..self.clone() })
     }
 
-    /// Whether the map is a camera's: always for point and spot lights; for directional ones when p4 is constant, that is
-    /// without a warp.
-    pub fn is_camera(&self) -> bool {
-        let p4 = self.h.row(2);
-        !self.space.directional || (p4.x == 0.0 && p4.y == 0.0)
+    /// What the job allows of the map's matrix.
+    pub fn shape(&self) -> Shape {
+        self.plane.shape
     }
 
     /// Rows in texels for a map of a given size.

@@ -4,4 +4,4 @@ mod layers;
 mod raster;
 
 pub use layers::{Channel, write_exr};
-pub use raster::{Colour, Picture, mix, scaled};
+pub use raster::{Colour, Picture, mix, scaled, tiled};

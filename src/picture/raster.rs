@@ -61,6 +61,22 @@ impl Picture {
     }
 }
 
+/// Pictures in rows and columns, `gap` white pixels between them; columns and rows are as wide and high as the first picture.
+pub fn tiled(rows: &[Vec<Picture>], gap: u32) -> Picture {
+    let first = rows.iter().flatten().next().map_or((1, 1), |p| (p.width, p.height));
+    let columns = rows.iter().map(Vec::len).max().unwrap_or(1).max(1) as u32;
+    let along = |count: u32, side: u32| count * side + (count - 1) * gap;
+    let (width, height) = (along(columns, first.0), along(rows.len().max(1) as u32, first.1));
+    Picture::from_fn(width, height, |i| {
+        let (x, y) = (i as u32 % width, i as u32 / width);
+        let (column, row) = (x / (first.0 + gap), y / (first.1 + gap));
+        let (x, y) = (x % (first.0 + gap), y % (first.1 + gap));
+        let picture = rows.get(row as usize).and_then(|r| r.get(column as usize));
+        let inside = picture.filter(|p| x < p.width && y < p.height);
+        inside.map_or([255; 3], |p| p.pixels[(y * p.width + x) as usize])
+    })
+}
+
 /// A colour `share` of the way to another; 0 leaves the first.
 pub fn mix(from: Colour, to: Colour, share: f64) -> Colour {
     std::array::from_fn(|i| (f64::from(from[i]) * (1.0 - share) + f64::from(to[i]) * share).round() as u8)
@@ -74,6 +90,15 @@ pub fn scaled(colour: Colour, factor: f64) -> Colour {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn tiles_stand_in_rows_and_columns() {
+        let flat = |colour: Colour| Picture::from_fn(3, 2, |_| colour);
+        let all = tiled(&[vec![flat([1; 3]), flat([2; 3])], vec![flat([3; 3])]], 1);
+        assert_eq!((all.width, all.height), (7, 5));
+        let at = |x: usize, y: usize| all.pixels[y * 7 + x][0];
+        assert_eq!((at(0, 0), at(3, 0), at(4, 1), at(2, 3), at(0, 2), at(5, 4)), (1, 255, 2, 3, 255, 255));
+    }
 
     #[test]
     fn marks_stay_inside_and_the_file_reads_back() {

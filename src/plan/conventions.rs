@@ -1,5 +1,6 @@
 //! What a reader of a plan has to know, in words that travel with it.
 
+use crate::measure::LookupParams;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -36,6 +37,22 @@ pub struct Conventions {
     pub unlit: String,
     /// What witnesses are for.
     pub witnesses: String,
+}
+
+impl Conventions {
+    /// With what a renderer makes of the answers.
+    pub fn of(lookup: &LookupParams) -> Conventions {
+        let mut conventions = Conventions::default();
+        if lookup.is_temporal() {
+            conventions.filter += &format!(
+                "; then, where `reprojected` is stated, temporal reprojection: cache = w * s + (1 - w) * cache of the frame \
+                 before at the same surface point, w = (1 - dist)^{}, s = 1 in shadow, dist = distance from the texel's centre, \
+                 maximum norm, 1 at its border; shadowed above 0.5",
+                lookup.confidence_power
+            );
+        }
+        conventions
+    }
 }
 
 impl Default for Conventions {

@@ -21,6 +21,17 @@ pub enum PlanError {
     /// A part of a shot, or what parts do not come to.
     #[error(transparent)]
     Part(#[from] PartError),
+    /// Frames that a renderer does not show one after the other.
+    #[error(
+        "lookup.temporal = \"reprojection\" needs consecutive frames, and frame {after} follows frame {before}: plan every \
+         frame of frames.range, or set lookup.temporal = \"none\""
+    )]
+    NotConsecutive {
+        /// A frame, by number.
+        before: i64,
+        /// The next one planned.
+        after: i64,
+    },
     /// The caller asked to stop.
     #[error("interrupted")]
     Cancelled,

@@ -1,16 +1,26 @@
 //! A light matrix as a camera at the light, where there is one.
 
 use super::{Frustum, LightCamera, LightProjection};
+use crate::depth::FINER;
 use crate::methods::Region;
+use crate::resolution::JudgedMap;
 use glam::{DMat3, DMat4, DQuat, DVec3};
 
 /// The camera of a matrix, or why there is none.
 ///
 /// With f forward, up the part of row 2 across f, and right = f × up, row 1 is C (right + skew up) + E f and row 2 is
 /// A up + B f (+ constants for parallel light).
-pub(super) fn light_camera(region: &Region, m: &DMat4) -> Result<LightCamera, String> {
-    if !region.is_camera() {
-        return Err("a perspective warp of parallel light is no camera: use the matrix".to_owned());
+pub(super) fn light_camera(map: &JudgedMap) -> Result<LightCamera, String> {
+    let (region, m) = (&map.region, &map.clip_from_scene);
+    if !map.depth.plain {
+        return Err(if region.space.directional {
+            "a perspective warp of parallel light is no camera: use the matrix".to_owned()
+        } else {
+            format!(
+                "depth along the axis of this camera would be more than {FINER} times coarser: use the matrix, or ask for \
+                 map.shape = \"affine\""
+            )
+        });
     }
     let row = |i: usize| m.row(i).truncate();
     let forward = region_forward(region, m);

@@ -6,10 +6,10 @@ use super::{LightError, LightPlan, MapPlan, Measured, PlanError, Predicted, Solv
 use crate::job::Job;
 use crate::math::first_holding;
 use crate::measure::{EDGE_ON_DEGREES, Outside, Receivers};
-use crate::resolution::{Bound, Certified, FittedLight, Judge, JudgedMap, certify, fit_light, polish, predict_only};
-use crate::scene::{Film, Light};
+use crate::resolution::{self, Bound, Certified, FittedLight, Judge, JudgedMap, certify, fit_light, predict_only};
+use crate::scene::{Camera, Film, Light};
 use crate::shot::in_frame;
-use crate::visibility::Answer;
+use crate::visibility::{Answer, Tracer, View};
 use std::time::Instant;
 
 /// Most visible points kept for bias, witnesses and round trips.
@@ -24,15 +24,36 @@ pub(super) fn light_entry(
     given: Option<&FittedLight>,
 ) -> Result<LightPlan, PlanError> {
     let start = Instant::now();
-    let mut entry = LightPlan::unplanned(light, job.quality.epsilon());
-    let lit = stage.look(light, job);
-    entry.cost.samples = lit.samples.edges.len() as u64;
-    entry.cost.rays = stage.rays_share + lit.rays;
-    settle(stage, light, job, &lit, &mut entry, given)?;
+    let (mut entry, _) = plan_light(stage, light, job, given)?;
     if timings {
         entry.cost.milliseconds = Some(start.elapsed().as_secs_f64() * 1e3);
     }
     Ok(entry)
+}
+
+/// What the entry of a light with maps was written from.
+pub(crate) struct Settled {
+    /// Matrices and depth rows.
+    pub(crate) maps: Vec<JudgedMap>,
+    /// The regions, and how the maps share texels.
+    pub(crate) fitted: FittedLight,
+    /// Size and bias.
+    pub(crate) certified: Certified,
+}
+
+/// Plans one light: its entry, and what it was written from where it has maps.
+pub(crate) fn plan_light(
+    stage: &FrameStage,
+    light: &Light,
+    job: &Job,
+    given: Option<&FittedLight>,
+) -> Result<(LightPlan, Option<Settled>), PlanError> {
+    let mut entry = LightPlan::unplanned(light, job.quality.epsilon());
+    let lit = stage.look(light, job);
+    entry.cost.samples = lit.samples.edges.len() as u64;
+    entry.cost.rays = stage.rays_share + lit.rays;
+    let settled = settle(stage, light, job, &lit, &mut entry, given)?;
+    Ok((entry, settled))
 }
 
 /// Decides the status and, where maps are needed, plans them.
@@ -43,7 +64,7 @@ fn settle(
     lit: &Lit,
     entry: &mut LightPlan,
     given: Option<&FittedLight>,
-) -> Result<(), PlanError> {
+) -> Result<Option<Settled>, PlanError> {
     let (samples, film, answers) = (&lit.samples, lit.film.as_ref(), &lit.answers);
     let (facing, shadowed) = match film {
         Some(film) => (film.len() as u64, film.shadowed_count()),
@@ -52,7 +73,7 @@ fn settle(
     let needed = if job.map.outside == Outside::Lit { shadowed } else { facing - shadowed };
     if needed == 0 {
         no_map_needed(entry, facing, job);
-        return Ok(());
+        return Ok(None);
     }
     let question = stage.question(light, job);
     let found = match given {
@@ -63,7 +84,7 @@ fn settle(
         Ok(fitted) => fitted,
         Err(reason) => {
             (entry.status, entry.reason) = (Status::Inapplicable, Some(reason.to_string()));
-            return Ok(());
+            return Ok(None);
         }
     };
     let seen = seen(stage, answers, film);
@@ -74,13 +95,14 @@ fn settle(
                 Ok(judge) => judge,
                 Err(reason) => {
                     (entry.status, entry.reason) = (Status::Inapplicable, Some(reason.to_string()));
-                    return Ok(());
+                    return Ok(None);
                 }
             };
-            if given.is_none() {
-                polish(&question, samples, &mut fitted, &mut judge)?;
-            }
-            let certified = certify(&question, &fitted, &mut judge)?;
+            let certified = if given.is_some() {
+                certify(&question, &fitted, &mut judge)?
+            } else {
+                resolution::choose(&question, samples, &mut fitted, &mut judge)?
+            };
             entry.cost.texels_drawn = judge.texels_drawn;
             entry.cost.triangles_drawn = judge.triangles_drawn;
             (judge.maps, certified)
@@ -92,7 +114,7 @@ fn settle(
                 Ok(maps) => (maps, predict_only(&question, &fitted)),
                 Err(reason) => {
                     (entry.status, entry.reason) = (Status::Inapplicable, Some(reason.to_string()));
-                    return Ok(());
+                    return Ok(None);
                 }
             }
         }
@@ -105,7 +127,7 @@ fn settle(
     entry.solver = Some(solver_report(job, &fitted));
     entry.cost.solver_evaluations = fitted.evaluations;
     entry.error = Some(light_error(job, &certified, stage, film));
-    Ok(())
+    Ok(Some(Settled { maps, fitted, certified }))
 }
 
 /// The entries of a light's maps.
@@ -203,12 +225,12 @@ pub(super) fn light_error(
         }
     });
     LightError {
-        predicted: Predicted {
+        predicted: Some(Predicted {
             misclassified: certified.predicted.misclassified,
             unsaturated: certified.predicted.unsaturated,
             displacement: of_quantile(Bound::Displacement, certified.predicted_at_quantile),
             footprint: of_quantile(Bound::Footprint, certified.predicted_at_quantile),
-        },
+        }),
         measured,
         tried: certified
             .tried
@@ -216,6 +238,7 @@ pub(super) fn light_error(
             .map(|trial| Tried {
                 width: trial.sizes[0][0],
                 height: trial.sizes[0][1],
+                texels: None,
                 misclassified: trial.verdict.certain.wrong(),
                 uncertain: trial.verdict.uncertain,
                 displacement: of_quantile(Bound::Displacement, trial.at_quantile),
@@ -229,16 +252,7 @@ pub(super) fn light_error(
 /// Visible points of the light, evenly thinned: of the film where it was classified, else of the grid.
 pub(super) fn seen(stage: &FrameStage, answers: &[Answer], film: Option<&Receivers>) -> Vec<Seen> {
     match (film, stage.view) {
-        (Some(film), Some(view)) => {
-            let stride = film.len().div_ceil(SEEN_MAX).max(1);
-            (0..film.len())
-                .step_by(stride)
-                .filter_map(|i| {
-                    let surface = view.surface(stage.tracer, stage.camera, film.pixels[i] as usize)?;
-                    Some(Seen { position: film.positions[i], normal: surface.normal, shadowed: film.shadowed[i] })
-                })
-                .collect()
-        }
+        (Some(film), Some(view)) => seen_on_film(stage.tracer, view, stage.camera, film),
         _ => (0..answers.len())
             .filter(|i| answers[*i] != Answer::Unlit)
             .filter_map(|i| {
@@ -248,4 +262,14 @@ pub(super) fn seen(stage: &FrameStage, answers: &[Answer], film: Option<&Receive
             })
             .collect(),
     }
+}
+
+/// The pixels of a light, evenly thinned.
+pub(super) fn seen_on_film(tracer: &Tracer, view: &View, camera: &Camera, film: &Receivers) -> Vec<Seen> {
+    let stride = film.len().div_ceil(SEEN_MAX).max(1);
+    let point = |i: usize| {
+        let surface = view.surface(tracer, camera, film.pixels[i] as usize)?;
+        Some(Seen { position: film.positions[i], normal: surface.normal, shadowed: film.shadowed[i] })
+    };
+    (0..film.len()).step_by(stride).filter_map(point).collect()
 }

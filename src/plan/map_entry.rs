@@ -3,7 +3,7 @@
 use super::light_camera::light_camera;
 use super::{MapBias, MapPlan, Witness, domain};
 use crate::depth::bias_units;
-use crate::math::rows_of;
+use crate::math::{first_holding, matrix_from_rows, rows_of};
 use crate::methods::Method;
 use crate::raster::Bias;
 use crate::resolution::JudgedMap;
@@ -40,7 +40,7 @@ pub(super) fn map_entry(
     let looked_up = |p: DVec3| answers(p) && uv_of(m, p).is_some_and(|(uv, _)| in_unit(uv));
     let inside: Vec<Seen> = seen.iter().copied().filter(|s| looked_up(s.position)).collect();
     let units = bias_units(m, size, light, &bias, inside.iter().map(|s| (s.position, s.normal)));
-    let (light_camera, light_camera_reason) = match light_camera(&map.region, m) {
+    let (light_camera, light_camera_reason) = match light_camera(map) {
         Ok(camera) => (Some(camera), None),
         Err(reason) => (None, Some(reason)),
     };
@@ -64,6 +64,22 @@ pub(super) fn map_entry(
         witnesses: witnesses(m, light, tracer, &inside, &answers),
         f32_roundtrip_texels: f32_roundtrip(m, size, &inside),
     }
+}
+
+/// Gives map `k` of a light another size, with what the entry says of bias and rounding there. `seen` as for [`map_entry`].
+pub(super) fn resize(maps: &mut [MapPlan], k: usize, size: [u32; 2], light: &Light, seen: &[Seen]) {
+    let domains: Vec<_> = maps.iter().map(|m| domain::read(&m.domain)).collect();
+    let Some(map) = maps.get_mut(k) else { return };
+    let m = matrix_from_rows(&map.clip_from_world);
+    let answers = |p: DVec3| first_holding(domains.iter(), p) == Some(k);
+    let looked_up = |s: &Seen| answers(s.position) && uv_of(&m, s.position).is_some_and(|(uv, _)| in_unit(uv));
+    let inside: Vec<Seen> = seen.iter().copied().filter(looked_up).collect();
+    let MapBias { constant, slope, clamp, .. } = map.bias;
+    let bias = Bias { constant, slope, clamp: clamp.unwrap_or(f64::INFINITY) };
+    let units = bias_units(&m, size, light, &bias, inside.iter().map(|s| (s.position, s.normal)));
+    (map.bias.texels, map.bias.world) = (units.texels, units.world_m);
+    map.f32_roundtrip_texels = f32_roundtrip(&m, size, &inside);
+    [map.width, map.height] = size;
 }
 
 /// Map coordinates in [0, 1] and window depth; `None` behind the light.

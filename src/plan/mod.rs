@@ -1,8 +1,11 @@
 //! The plan: the versioned result of planning a shot, its JSON and TOML files, and checking one later.
 
+mod across;
+mod budget;
 mod conventions;
 mod domain;
 mod error;
+mod explain;
 mod inputs;
 mod json;
 mod light_camera;
@@ -13,6 +16,7 @@ mod pieces;
 mod read;
 mod remeasure;
 mod render;
+mod reproject;
 mod stage;
 mod types;
 mod verify;
@@ -20,14 +24,18 @@ mod watch;
 mod whole_shot;
 mod write;
 
+pub use budget::{BudgetCurves, BudgetPoint, LightCurve, LightPoint, PlanPoint, budget_curves};
 pub use conventions::Conventions;
 pub use error::PlanError;
+pub use explain::explain;
 pub use inputs::{Input, hash_inputs, relative_path, sha256_hex};
-pub(crate) use make::load_shot;
+pub(crate) use light_entry::{Settled, plan_light};
 pub use make::make;
+pub(crate) use make::{in_scene_space, load_shot, open, plan_on};
 pub use pieces::{Merged, PartError, certify, make_in, merge, sample, solve};
 pub use read::{parse, read};
-pub use render::render;
+pub use render::{render, strip};
+pub(crate) use stage::{FrameStage, Stages};
 pub use types::*;
 pub use verify::{InputCheck, LightCheck, Outcome, Verification, verify};
 pub use watch::{Progress, Stage, Watch};

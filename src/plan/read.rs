@@ -1,5 +1,6 @@
 //! Reading a plan, JSON or TOML.
 
+use std::io;
 use std::path::Path;
 
 use serde::Deserialize;
@@ -11,7 +12,7 @@ use super::{Format, Plan, PlanError, SCHEMA};
 /// # Errors
 /// [`PlanError::Read`], [`PlanError::Parse`], [`PlanError::Schema`].
 pub fn read(path: &Path) -> Result<Plan, PlanError> {
-    let text = std::fs::read_to_string(path).map_err(|source| PlanError::Read { path: path.to_owned(), source })?;
+    let text = read_text(path).map_err(|source| PlanError::Read { path: path.to_owned(), source })?;
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
     let format = match extension.as_str() {
         "json" => Format::Json,
@@ -20,6 +21,22 @@ pub fn read(path: &Path) -> Result<Plan, PlanError> {
         _ => Format::Toml,
     };
     parse(&text, format, path)
+}
+
+/// The text of a file or a pipe. A device has no end.
+fn read_text(path: &Path) -> io::Result<String> {
+    let kind = std::fs::metadata(path)?.file_type();
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::FileTypeExt;
+        if kind.is_char_device() || kind.is_block_device() {
+            return Err(io::Error::other("it is a device, not a file"));
+        }
+    }
+    if kind.is_dir() {
+        return Err(io::Error::from(io::ErrorKind::IsADirectory));
+    }
+    std::fs::read_to_string(path)
 }
 
 /// Reads a plan's text; `path` is for messages.

@@ -6,13 +6,13 @@
 use std::sync::Arc;
 
 use super::stage::Posed;
-use super::{Flicker, MapPlan, domain};
+use super::{Flicker, MapBias, MapPlan, domain};
 use crate::math::matrix_from_rows;
 use crate::measure::{
-    Certainty, Drawn, Earlier, LightThenNow, Moment, Outside, Receivers, Verdict, flicker, reproject, wrong,
+    Cache, Certainty, Drawn, Earlier, LightThenNow, Moment, Outside, Receivers, Verdict, flicker, reproject, wrong,
 };
 use crate::raster::{Bias, Canvas, RasterError};
-use crate::resolution::{MapParams, SingleSided};
+use crate::resolution::{MapParams, SingleSided, TEXELS_MAX};
 use crate::scene::{Camera, Film, Light, Shot};
 use crate::visibility::{Bvh, RayOffset, Tracer, View};
 
@@ -46,6 +46,16 @@ pub(super) struct Before {
     pub(super) offset: RayOffset,
     /// The maps of each light, by name, as drawn.
     pub(super) maps: Vec<(String, Arc<Vec<Drawn>>)>,
+    /// What a renderer that blends answers over time kept; `None` for one that does not.
+    pub(super) left: Option<Left>,
+}
+
+/// What a frame leaves to a renderer that blends answers over time.
+pub(super) struct Left {
+    /// What its camera saw.
+    pub(super) view: View,
+    /// What is kept of each light, by name.
+    pub(super) caches: Vec<(String, Cache)>,
 }
 
 impl Before {
@@ -91,7 +101,7 @@ impl Before {
         reproject(&self.moment(&tracer, shot.film), &moment, now.view)
     }
 
-    fn moment<'a>(&'a self, tracer: &'a Tracer<'a>, film: Film) -> Moment<'a> {
+    pub(super) fn moment<'a>(&'a self, tracer: &'a Tracer<'a>, film: Film) -> Moment<'a> {
         Moment { tracer, camera: &self.posed.frame.camera, film, offset: self.offset }
     }
 }
@@ -109,8 +119,14 @@ pub(super) fn remeasure(
     let receivers = Receivers::classify(tracer, view, camera, light, offset);
     let drawn = match drawn {
         Some(drawn) => drawn,
+        None if maps.iter().map(MapPlan::texels).sum::<u64>() > TEXELS_MAX => {
+            let largest = maps.iter().max_by_key(|map| map.texels()).map_or([0, 0], |map| [map.width, map.height]);
+            return Err(RasterError::Size { width: largest[0], height: largest[1] });
+        }
         None => Arc::new(
-            maps.iter().map(|map| draw_map(tracer, light, map, params.single_sided)).collect::<Result<Vec<_>, _>>()?,
+            maps.iter()
+                .map(|map| draw_map(tracer, light, map, [map.width, map.height], None, params.single_sided))
+                .collect::<Result<Vec<_>, _>>()?,
         ),
     };
     let wrong = wrong(&receivers, &drawn, params.outside);
@@ -119,13 +135,21 @@ pub(super) fn remeasure(
     Ok(Remeasured { receivers, drawn, wrong, uncertain, verdict })
 }
 
-fn draw_map(tracer: &Tracer, light: &Light, map: &MapPlan, sides: SingleSided) -> Result<Drawn, RasterError> {
+/// Draws a map at a size, with a bias where one is given, else with its own.
+pub(super) fn draw_map(
+    tracer: &Tracer,
+    light: &Light,
+    map: &MapPlan,
+    [width, height]: [u32; 2],
+    bias: Option<Bias>,
+    sides: SingleSided,
+) -> Result<Drawn, RasterError> {
     let clip_from_scene = matrix_from_rows(&map.clip_from_world);
-    let bias =
-        Bias { constant: map.bias.constant, slope: map.bias.slope, clamp: map.bias.clamp.unwrap_or(f64::INFINITY) };
+    let MapBias { constant, slope, clamp, .. } = map.bias;
+    let bias = bias.unwrap_or(Bias { constant, slope, clamp: clamp.unwrap_or(f64::INFINITY) });
     let geometry = tracer.geometry();
     let mut canvas = Canvas::default();
     let keep = |index: u32| sides.draws(geometry, light, index);
-    canvas.draw(geometry, &clip_from_scene, map.width, map.height, bias, keep)?;
+    canvas.draw(geometry, &clip_from_scene, width, height, bias, keep)?;
     Ok(Drawn { domain: domain::read(&map.domain), clip_from_scene, map: canvas.map })
 }

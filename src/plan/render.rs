@@ -4,6 +4,7 @@
 
 mod film;
 mod map;
+mod strip;
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -17,6 +18,7 @@ use crate::samples::{Grid, GridView, LightView, sample_light};
 use crate::scene::{Light, LightParams};
 use crate::visibility::{Bvh, RayOffset, Tracer, see};
 use film::Film;
+pub use strip::strip;
 
 /// Writes what was seen in one frame to a folder, and says which files it wrote. With `light`, only that light is planned
 /// and shown.
@@ -45,10 +47,10 @@ pub fn render(
 
     let shot = load_shot(&loaded)?;
     let (Some(planned), Some(time)) = (plan.frames.first(), shot.frames.first()) else { return Ok(files.written) };
-    let still = Bvh::build(&shot.scene.still);
+    let still = Bvh::still(&shot.scene);
     let posed = shot.scene.frame(time.time_s)?;
     let geometry = shot.scene.geometry(&posed);
-    let moving = (!posed.moving.is_empty()).then(|| Bvh::build(&posed.moving));
+    let moving = Bvh::moving(&shot.scene, &posed);
     let tracer = Tracer::new(geometry, &still, moving.as_ref());
     let view = see(&tracer, &posed.camera, shot.film);
     let offset = RayOffset::for_scene(&tracer);

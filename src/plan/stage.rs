@@ -4,22 +4,23 @@ use super::PlanError;
 use crate::job::Job;
 use crate::math::Bounds;
 use crate::measure::{Outside, Receivers};
-use crate::resolution::{FilmQuestion, Measure};
+use crate::resolution::FilmQuestion;
 use crate::samples::{Grid, GridView, LightSamples, LightView, sample_light};
 use crate::scene::{Camera, Film, FrameTime, Light, SceneFrame, Shot};
 use crate::shot::Temporal;
 use crate::visibility::{Answer, Bvh, RayOffset, Tracer, View, classify, see};
+use std::sync::Arc;
 
 /// What a frame gives to each of its lights.
-pub(super) struct FrameStage<'a> {
-    pub(super) tracer: &'a Tracer<'a>,
-    pub(super) camera: &'a Camera,
+pub(crate) struct FrameStage<'a> {
+    pub(crate) tracer: &'a Tracer<'a>,
+    pub(crate) camera: &'a Camera,
     pub(super) film: Film,
     pub(super) grid: &'a GridView<'a>,
     /// Absent when nothing is measured.
-    pub(super) view: Option<&'a View>,
+    pub(crate) view: Option<&'a View>,
     pub(super) bounds: Bounds,
-    pub(super) offset: RayOffset,
+    pub(crate) offset: RayOffset,
     /// Rays spent on the frame itself, shared out.
     pub(super) rays_share: u64,
 }
@@ -38,7 +39,7 @@ pub(super) struct Lit {
 
 impl FrameStage<'_> {
     /// What is asked of one light.
-    pub(super) fn question<'b>(&'b self, light: &'b Light, job: &'b Job) -> FilmQuestion<'b> {
+    pub(crate) fn question<'b>(&'b self, light: &'b Light, job: &'b Job) -> FilmQuestion<'b> {
         FilmQuestion {
             camera: self.camera,
             film: self.film,
@@ -86,7 +87,7 @@ impl Posed {
     /// When it has no pose then.
     pub(super) fn new(shot: &Shot, time_s: f64) -> Result<Posed, PlanError> {
         let frame = shot.scene.frame(time_s)?;
-        let moving = (!frame.moving.is_empty()).then(|| Bvh::build(&frame.moving));
+        let moving = Bvh::moving(&shot.scene, &frame);
         Ok(Posed { frame, moving })
     }
 
@@ -97,27 +98,30 @@ impl Posed {
 }
 
 /// What all frames of a shot share.
-pub(super) struct Stages<'a> {
-    pub(super) shot: &'a Shot,
-    pub(super) job: &'a Job,
-    pub(super) still: Bvh,
-    still_bounds: Bounds,
+pub(crate) struct Stages<'a> {
+    pub(crate) shot: &'a Shot,
+    pub(crate) job: &'a Job,
+    pub(super) still: Arc<Bvh>,
 }
 
 impl<'a> Stages<'a> {
     /// Sorts the still triangles.
-    pub(super) fn new(shot: &'a Shot, job: &'a Job) -> Stages<'a> {
-        let still_bounds = Bounds::of(shot.scene.still.iter().flatten().map(|v| v.as_dvec3()));
-        Stages { shot, job, still: Bvh::build(&shot.scene.still), still_bounds }
+    pub(crate) fn new(shot: &'a Shot, job: &'a Job) -> Stages<'a> {
+        Stages { shot, job, still: Arc::new(Bvh::still(&shot.scene)) }
+    }
+
+    /// The same shot under other settings; only those of what is planned may differ, not of what there is to see.
+    pub(crate) fn with_job<'b>(&'b self, job: &'b Job) -> Stages<'b> {
+        Stages { shot: self.shot, job, still: Arc::clone(&self.still) }
     }
 
     /// Number of frames.
-    pub(super) fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.shot.frames.len()
     }
 
     /// A frame of the shot, by place.
-    pub(super) fn time(&self, frame: usize) -> FrameTime {
+    pub(crate) fn time(&self, frame: usize) -> FrameTime {
         self.shot.frames[frame]
     }
 
@@ -125,7 +129,7 @@ impl<'a> Stages<'a> {
     ///
     /// # Errors
     /// When the frame has no pose; and those of `work`.
-    pub(super) fn with<R>(
+    pub(crate) fn with<R>(
         &self,
         frame: usize,
         work: impl FnOnce(&FrameStage, &SceneFrame) -> Result<R, PlanError>,
@@ -137,7 +141,7 @@ impl<'a> Stages<'a> {
     ///
     /// # Errors
     /// When the frame has no pose; and those of `work`.
-    pub(super) fn film<R>(
+    pub(crate) fn film<R>(
         &self,
         frame: usize,
         work: impl FnOnce(&FrameStage, &SceneFrame) -> Result<R, PlanError>,
@@ -158,7 +162,7 @@ impl<'a> Stages<'a> {
         let (shot, job) = (self.shot, self.job);
         let posed = Posed::new(shot, self.time(frame).time_s)?;
         let (tracer, frame) = (posed.tracer(shot, &self.still), &posed.frame);
-        let bounds = self.still_bounds.union(Bounds::of(frame.moving.iter().flatten().map(|v| v.as_dvec3())));
+        let bounds = tracer.bounds().map_or(Bounds::EMPTY, |[min, max]| Bounds { min, max });
         let positions = Grid::new(shot.film, job.sampling.grid);
         let view = measures(job).then(|| see(&tracer, &frame.camera, shot.film));
         let own = grid && !(view.is_some() && positions.is_film());
@@ -190,5 +194,5 @@ impl<'a> Stages<'a> {
 
 /// Whether a job measures.
 pub(super) fn measures(job: &Job) -> bool {
-    job.quality.measure == Measure::Always
+    job.quality.measure.measures()
 }

@@ -1,7 +1,9 @@
 //! The plan's own types. Their doc comments are the descriptions in the JSON Schema.
 
+mod budget;
 mod light;
 mod map;
+mod operating;
 mod temporal;
 
 use schemars::JsonSchema;
@@ -10,9 +12,11 @@ use serde::{Deserialize, Serialize};
 use super::{Conventions, Input, SCHEMA};
 use crate::job::Job;
 
+pub use budget::{BudgetSummary, LightBudget};
 pub use light::{Cost, LightError, LightPlan, Measured, Predicted, SolverReport, Status, Tried};
 pub use map::{CubeFace, Domain, Frustum, LightCamera, LightProjection, MapBias, MapPlan, Witness};
-pub use temporal::{Flicker, LightTemporal};
+pub use operating::{Operating, TimeModel};
+pub use temporal::{Flicker, LightTemporal, Reprojected};
 
 /// Four rows of four, applied to column vectors.
 pub type Rows = [[f64; 4]; 4];
@@ -28,10 +32,19 @@ pub struct Plan {
     pub conventions: Conventions,
     /// The job as resolved from all layers.
     pub job: PlannedJob,
+    /// How the settings were chosen, where a time budget chose them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub operating: Option<Operating>,
     /// World position, metres, that all positions and matrices are relative to.
     pub origin: [f64; 3],
     /// The whole shot in a few numbers.
     pub summary: Summary,
+    /// Where the time went; only with `--timings`, since it differs from run to run.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub timings: Option<Timings>,
+    /// What the job's budget came to; absent without one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub budget: Option<BudgetSummary>,
     /// One entry a frame, in the order of the job's range.
     pub frames: Vec<FramePlan>,
 }
@@ -42,10 +55,13 @@ impl Plan {
         Self {
             schema: SCHEMA.to_owned(),
             lixel: env!("CARGO_PKG_VERSION").to_owned(),
-            conventions: Conventions::default(),
-            job,
+            conventions: Conventions::of(&job.job.lookup),
+            operating: None,
             origin,
             summary: Summary::of(&frames),
+            timings: None,
+            budget: job.budget_of(&frames),
+            job,
             frames,
         }
     }
@@ -59,6 +75,27 @@ pub struct PlannedJob {
     pub job: Job,
     /// Every file that was read, with its content hash.
     pub inputs: Vec<Input>,
+}
+
+/// Wall times of a run, seconds.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+pub struct Timings {
+    /// Reading the files and posing what never moves.
+    pub load_s: f64,
+    /// Sorting what never moves for rays.
+    pub sort_s: f64,
+    /// All of it, but for writing the plan.
+    pub total_s: f64,
+    /// `load_s` over `total_s`.
+    pub load_share: f64,
+}
+
+impl PlannedJob {
+    /// What the job's budget came to in some frames; `None` without one.
+    pub fn budget_of(&self, frames: &[FramePlan]) -> Option<BudgetSummary> {
+        let Job { budget, light, .. } = &self.job;
+        budget.is_given().then(|| BudgetSummary::of(frames, budget, light))
+    }
 }
 
 /// The whole shot in a few numbers.

@@ -18,7 +18,8 @@ use across::Across;
 use serde::Serialize;
 
 use super::make::load_shot;
-use super::remeasure::{Before, Seeing};
+use super::remeasure::{Before, Left, Seeing};
+use super::reproject::Steps;
 use super::stage::Posed;
 use super::{Input, Plan, PlanError, Stage, Watch, sha256_hex};
 use crate::job::{self, LoadedJob};
@@ -120,7 +121,7 @@ pub fn verify(plan: &Plan, plan_dir: &Path, watch: &Watch) -> Result<Verificatio
 
 /// Measures the lights of all frames that the shot has.
 fn measure(plan: &Plan, shot: &Shot, found: &mut Verification, watch: &Watch) -> Result<(), PlanError> {
-    let still = Bvh::build(&shot.scene.still);
+    let still = Bvh::still(&shot.scene);
     let mut across = Across::default();
     let total = plan.frames.iter().map(|f| f.lights.len() as u64).sum();
     for planned in &plan.frames {
@@ -130,7 +131,7 @@ fn measure(plan: &Plan, shot: &Shot, found: &mut Verification, watch: &Watch) ->
         found.problems.extend(claims::of_a_frame(planned, frame, shot.film));
         let view = see(&tracer, &frame.camera, shot.film);
         let offset = RayOffset::for_scene(&tracer);
-        let mut maps = Vec::with_capacity(planned.lights.len());
+        let (mut maps, mut caches) = (Vec::with_capacity(planned.lights.len()), Vec::new());
         let seeing = Seeing { tracer: &tracer, camera: &frame.camera, view: &view, offset };
         let earlier = across.before.as_ref().map(|b| b.earlier((shot, &still), &seeing));
         for entry in &planned.lights {
@@ -138,13 +139,21 @@ fn measure(plan: &Plan, shot: &Shot, found: &mut Verification, watch: &Watch) ->
             let Some(light) = frame.lights.iter().find(|l| l.name == entry.light) else { continue };
             let (mut check, measured) = light::check(&seeing, planned.frame, entry, light, &plan.job.job);
             if let Some(measured) = measured {
+                if plan.job.job.lookup.is_temporal() && plan.frames.len() > 1 {
+                    let (before, earlier) = (across.before.as_ref(), earlier.as_deref());
+                    let steps = Steps { shot, still: &still, job: &plan.job.job, seeing, before, earlier };
+                    let (shown, cache) = steps.shown(light, &measured);
+                    across::check_shown(&mut check, entry, shown);
+                    caches.push((entry.light.clone(), cache));
+                }
                 across.check(&mut check, plan, entry, &measured, (shot, &still), earlier.as_deref());
                 maps.push((entry.light.clone(), measured.drawn));
             }
             found.lights.push(check);
         }
         let offset = seeing.offset;
-        across.before = Some(Before { number: planned.frame, posed, offset, maps });
+        let left = plan.job.job.lookup.is_temporal().then_some(Left { view, caches });
+        across.before = Some(Before { number: planned.frame, posed, offset, maps, left });
     }
     watch.step(Stage::Lights, total, total)
 }

@@ -15,6 +15,12 @@ pub enum Stage {
     Solve,
     /// Measuring or drawing; counted in frames of a shot, or in its lights.
     Lights,
+    /// Measuring planned maps at other sizes; counted in lights of frames.
+    Budget,
+    /// Comparing the frames of a planned shot with the ones before them; counted in frames.
+    Flicker,
+    /// Timing settings of the planner; counted in runs.
+    Points,
 }
 
 /// How far a stage is.

@@ -6,6 +6,7 @@
 
 use super::setup::{Lanes, Setup};
 use super::view::{View, divided};
+use glam::Vec3;
 
 /// Three vertices and one more for each of the six planes.
 const VERTICES_MAX: usize = 9;
@@ -58,15 +59,31 @@ pub(super) fn clip(view: &View, triangle: &[[f64; 4]; 3], setups: &mut Vec<Setup
 
 /// True when all vertices lie beyond the same side of the map, or one is not a number.
 fn outside_map(view: &View, triangle: &[[f64; 4]; 3]) -> bool {
+    beyond_a_side(view, triangle, 0.0) || triangle.iter().flatten().any(|t| !t.is_finite())
+}
+
+/// True when all points lie beyond the same side of the map by more than `margin` of its size.
+fn beyond_a_side(view: &View, points: &[[f64; 4]], margin: f64) -> bool {
     let (width, height) = (f64::from(view.width), f64::from(view.height));
-    let all = |outside: &dyn Fn(&[f64; 4]) -> bool| triangle.iter().all(outside);
-    all(&|p| p[0] < 0.0)
-        || all(&|p| p[0] > width * p[3])
-        || all(&|p| p[1] < 0.0)
-        || all(&|p| p[1] > height * p[3])
-        || all(&|p| p[2] < 0.0)
-        || all(&|p| p[2] > p[3])
-        || triangle.iter().flatten().any(|t| !t.is_finite())
+    let all = |outside: &dyn Fn(&[f64; 4]) -> bool| points.iter().all(outside);
+    let (low, high) = (-margin, 1.0 + margin);
+    all(&|p| p[0] < low * width * p[3])
+        || all(&|p| p[0] > high * width * p[3])
+        || all(&|p| p[1] < low * height * p[3])
+        || all(&|p| p[1] > high * height * p[3])
+        || all(&|p| p[2] < low * p[3])
+        || all(&|p| p[2] > high * p[3])
+}
+
+/// Part of the map's size that a box must lie beside it to be passed over: triangles within are snapped to texels, and
+/// rounding must not decide.
+const BESIDE: f64 = 1e-3;
+
+/// True when nothing in a box of scene space is drawn.
+pub(super) fn box_is_outside(view: &View, corners: [Vec3; 2]) -> bool {
+    let at = |k: usize, axis: usize| f64::from(corners[k >> axis & 1][axis]);
+    let points: [_; 8] = std::array::from_fn(|k| view.project(at(k, 0), at(k, 1), at(k, 2)));
+    beyond_a_side(view, &points, BESIDE)
 }
 
 /// The part of a polygon on the inner side of one plane of [`View::distances`].

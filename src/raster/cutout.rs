@@ -18,7 +18,7 @@ use crate::scene::{Cutout, Geometry, Mask};
 
 /// What every piece of a triangle needs.
 struct Holes<'a> {
-    cutout: &'a Cutout,
+    cutout: Cutout,
     mask: &'a Mask,
     /// λᵢ is proportional to `weights[i]`·(x, y, 1), texels.
     weights: [DVec3; 3],
@@ -105,6 +105,6 @@ impl Holes<'_> {
     fn is_solid(&self, x: i32, y: i32) -> bool {
         let centre = DVec3::new(f64::from(x) + 0.5, f64::from(y) + 0.5, 1.0);
         let weights = DVec3::from_array(self.weights.map(|w| w.dot(centre)));
-        self.mask.is_solid(self.cutout, weights / weights.element_sum())
+        self.mask.is_solid(&self.cutout, weights / weights.element_sum())
     }
 }

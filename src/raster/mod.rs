@@ -8,6 +8,7 @@
 //! x/w, y/w and z/w, so each triangle has one plane; it is evaluated in f64, and clamped to the triangle's own
 //! depths, which tames slivers. Then the bias is added and the sum is rounded to f32.
 //!
+//! Instances are drawn run by run, their triangles placed on the spot; those whose box lies beside the map are passed over.
 //! Triangles with holes are drawn after the others, texel by texel as their masks say (`cutout`).
 //!
 //! Deviation from hardware: the plane comes from the unsnapped vertices, so that depth does not jitter by 1/256 texel.
@@ -27,7 +28,7 @@ mod view;
 use glam::DMat4;
 use rayon::prelude::*;
 
-use crate::scene::{Geometry, Triangle};
+use crate::scene::{Geometry, Room};
 use bins::Bins;
 use serde::{Deserialize, Serialize};
 use view::View;
@@ -75,7 +76,7 @@ impl Bias {
 /// What drawing took.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
-    /// Triangles that the caller kept.
+    /// Triangles that the caller kept; of instances that lie beside the map none is asked for.
     pub kept: u64,
     /// Of those, triangles with a texel centre in the bounding box of what lies inside the clip volume.
     pub drawn: u64,
@@ -165,7 +166,7 @@ impl Canvas {
 
         let any_cut = geometry.cut().next().is_some();
         let whole = |index: u32| keep(index) && !(any_cut && geometry.cutout(index).is_some());
-        let chunks = chunks(geometry);
+        let chunks = geometry.runs(CHUNK_TRIANGLES);
         if chunks.is_empty() {
             self.map.depth.fill(FAR);
         }
@@ -175,8 +176,10 @@ impl Canvas {
                 self.bins.resize_with(batch.len(), Bins::default);
             }
             let bins = &mut self.bins[..batch.len()];
-            batch.par_iter().zip(bins.par_iter_mut()).for_each(|(&(first, triangles), bins)| {
-                kernel::set_up_chunk(&view, first, triangles, &whole, bins);
+            batch.par_iter().zip(bins.par_iter_mut()).for_each_init(Room::default, |room, (run, bins)| {
+                let beside = run.instance_bounds().is_some_and(|corners| clip::box_is_outside(&view, corners));
+                let triangles = if beside { &[] } else { run.triangles(room) };
+                kernel::set_up_chunk(&view, run.first, triangles, &whole, bins);
             });
             let band_texels = (width as usize) << view.bands.rows_log2;
             self.map.depth.par_chunks_mut(band_texels).enumerate().for_each(|(band, depth)| {
@@ -193,17 +196,4 @@ impl Canvas {
         counts.drawn += cut.drawn;
         Ok(counts)
     }
-}
-
-/// The triangles in runs of [`CHUNK_TRIANGLES`], each with the index of its first.
-fn chunks(geometry: Geometry<'_>) -> Vec<(u32, &[Triangle])> {
-    let mut first = 0;
-    let mut chunks = Vec::new();
-    for part in [geometry.still, geometry.moving] {
-        for triangles in part.chunks(CHUNK_TRIANGLES) {
-            chunks.push((first, triangles));
-            first += triangles.len() as u32;
-        }
-    }
-    chunks
 }

@@ -3,10 +3,14 @@
 use super::bias::{default_bias, measured_bias};
 use super::fitted::{predict, predicted_bound};
 use super::judge::Judge;
-use super::{Bound, FilmQuestion, FittedLight, Probe, SizeGrid, smallest};
-use crate::measure::{Drawn, UNCERTAIN_SLACK, Verdict};
+use super::{
+    Bound, Drawing, FilmQuestion, FittedLight, Measure, Probe, SizeGrid, grown, polish, polishes, size_on_grid,
+    smallest,
+};
+use crate::measure::{Drawn, Verdict};
 use crate::methods::Prediction;
 use crate::raster::{Bias, RasterError};
+use crate::samples::LightSamples;
 use serde::{Deserialize, Serialize};
 
 /// One size that was tried.
@@ -43,13 +47,67 @@ pub struct Certified {
     pub tried: Vec<Trial>,
 }
 
-/// Chooses by measurement.
+impl Certified {
+    /// Texels of all maps.
+    fn texels(&self) -> f64 {
+        self.sizes.iter().map(|[w, h]| f64::from(*w) * f64::from(*h)).sum()
+    }
+}
+
+/// Chooses matrices and size by measurement: the size that the fitted maps need, better maps at that size and with its
+/// bias where the job asks for them, and the size that these need.
+pub fn choose(
+    question: &FilmQuestion,
+    samples: &LightSamples,
+    fitted: &mut FittedLight,
+    judge: &mut Judge,
+) -> Result<Certified, RasterError> {
+    let first = certify(question, fitted, judge)?;
+    if !polishes(question.solver) {
+        return Ok(first);
+    }
+    fitted.texels = first.texels();
+    let before = (fitted.clone(), judge.maps.clone());
+    let size = |aspect: f64, texels: f64| size_on_grid(question.map, aspect, texels);
+    polish(question, samples, fitted, judge, &Drawing { size: &size, bias: first.bias })?;
+    let polished = smallest_size(question, fitted, judge, first.bias, None)?;
+    // What is better at one size may be worse at the sizes that count.
+    if (polished.met && !first.met) || (polished.met == first.met && polished.texels() <= first.texels()) {
+        return Ok(polished);
+    }
+    (*fitted, judge.maps) = before;
+    Ok(first)
+}
+
+/// Chooses bias and size by measurement; with [`Measure::Check`] first the predicted size with the default bias.
 pub fn certify(question: &FilmQuestion, fitted: &FittedLight, judge: &mut Judge) -> Result<Certified, RasterError> {
     let grid = grid_of(question, fitted);
-    let (bias, mut at_guess) = measured_bias(question, fitted, judge, &grid)?;
+    if question.quality.measure == Measure::Check {
+        let (bias, guess) = (default_bias(&question.map.bias), grid.at_least(fitted.texels));
+        let sizes = grid.sizes(guess).to_vec();
+        let drawn = judge.draw(&sizes, bias)?;
+        let wrong = judge.wrong(&drawn);
+        let (probe, trial) = trial(question, judge, (&drawn, &wrong), sizes);
+        if probe.meets {
+            return certified(question, fitted, judge, (&grid, Some(guess)), bias, vec![(guess, trial, wrong)]);
+        }
+    }
+    let (bias, at_guess) = measured_bias(question, fitted, judge, &grid)?;
+    smallest_size(question, fitted, judge, bias, at_guess)
+}
+
+/// Chooses the size with a bias. `at_guess` are the receivers known to be wrong at the size that the fit expects to need.
+fn smallest_size(
+    question: &FilmQuestion,
+    fitted: &FittedLight,
+    judge: &mut Judge,
+    bias: Bias,
+    mut at_guess: Option<Vec<u32>>,
+) -> Result<Certified, RasterError> {
+    let grid = grid_of(question, fitted);
     let guess = grid.at_least(fitted.texels);
     let mut tried: Vec<(usize, Trial, Vec<u32>)> = Vec::new();
-    let found = smallest(grid.len(), guess, question.map.step, |index| {
+    let mut probe = |index: usize| {
         let sizes = grid.sizes(index).to_vec();
         let known = if index == guess && question.quality.bound != Bound::Footprint { at_guess.take() } else { None };
         let (drawn, wrong) = match known {
@@ -63,7 +121,24 @@ pub fn certify(question: &FilmQuestion, fitted: &FittedLight, judge: &mut Judge)
         let (probe, trial) = trial(question, judge, (&drawn, &wrong), sizes);
         tried.push((index, trial, wrong));
         Ok::<_, RasterError>(probe)
-    })?;
+    };
+    let (count, step) = (grid.len(), question.map.step);
+    let found = match question.quality.measure {
+        Measure::Check => grown(count, guess, step, &mut probe)?,
+        Measure::Always | Measure::Never => smallest(count, guess, step, &mut probe)?,
+    };
+    certified(question, fitted, judge, (&grid, found), bias, tried)
+}
+
+/// The certificate of the size that was found, of the largest when none was.
+fn certified(
+    question: &FilmQuestion,
+    fitted: &FittedLight,
+    judge: &mut Judge,
+    (grid, found): (&SizeGrid, Option<usize>),
+    bias: Bias,
+    tried: Vec<(usize, Trial, Vec<u32>)>,
+) -> Result<Certified, RasterError> {
     let index = found.unwrap_or(grid.len() - 1);
     let sizes = grid.sizes(index).to_vec();
     let (chosen, self_shadow) = match tried.iter().find(|(i, ..)| *i == index) {
@@ -93,10 +168,8 @@ pub fn trial(
     let epsilon = question.quality.epsilon();
     let (ratio, meets, at_quantile) = match question.quality.bound {
         Bound::Misclassified => {
-            let certain = verdict.certain.wrong() as f64;
-            let all = certain + verdict.uncertain as f64;
             let limit = epsilon * question.film.pixels() as f64;
-            (certain.max(all / UNCERTAIN_SLACK) / limit, verdict.meets(limit), None)
+            (verdict.least_limit() / limit, verdict.meets(limit), None)
         }
         Bound::Displacement | Bound::Footprint => {
             let value = judge.at_quantile(drawn, wrong);

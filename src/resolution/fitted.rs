@@ -39,7 +39,7 @@ pub struct FittedLight {
     pub regions: Vec<Region>,
     /// Share of the texels of each map; they sum to 1.
     pub shares: Vec<f64>,
-    /// Texels of all maps together at which the prediction meets the bound.
+    /// Texels of all maps together at which the bound is expected to be met: as predicted, or as measured before.
     pub texels: f64,
     /// Evaluations of all fits.
     pub evaluations: u64,

@@ -1,9 +1,12 @@
 //! Draws a light's maps at a size and judges every film pixel, certain and uncertain apart.
 
 use super::{Bound, FilmQuestion, FittedLight, QualityParams};
-use crate::depth::{DepthError, DepthRow, Kept, Visible, fit_row};
+use crate::depth::{DepthError, DepthRow, Kept, RowKind, Visible, fit_row};
+use crate::fit::Shape;
 use crate::math::first_holding;
-use crate::measure::{Certainty, Drawn, Receivers, Verdict, edge_distance, fewer_wrong, footprint, wrong};
+use crate::measure::{
+    Certainty, Drawn, Receivers, UNCERTAIN_SLACK, Verdict, edge_distance, fewer_wrong, footprint, wrong,
+};
 use crate::methods::Region;
 use crate::raster::{Bias, Canvas, RasterError};
 use crate::visibility::{RayOffset, Tracer, View};
@@ -80,8 +83,28 @@ impl JudgedMap {
     /// # Errors
     /// [`DepthError`]: nothing is kept, or it has no finite row.
     pub fn holding(region: Region, kept: &Kept) -> Result<JudgedMap, DepthError> {
-        let depth = fit_row(kept, region.is_camera())?;
+        let depth = fit_row(kept, row_kind(&region))?;
         Ok(JudgedMap { clip_from_scene: clip_from_scene(&region, depth.row), region, depth })
+    }
+}
+
+/// A larger and no bias: what is wrong under a bias and right under one of these is owed to the bias.
+pub fn other_biases(bias: Bias) -> [Bias; 2] {
+    /// How much larger the larger bias is.
+    const LARGER: f64 = 4.0;
+    let (constant, slope, clamp) = (bias.constant * LARGER * LARGER, bias.slope * LARGER, bias.clamp * LARGER);
+    [Bias { constant, slope, clamp }, Bias::NONE]
+}
+
+/// Which depth rows a region may have. A camera's: for directional lights when p4 is constant, that is without a warp; for
+/// point and spot lights wherever the job asks for cameras, and else unless that costs depth.
+fn row_kind(region: &Region) -> RowKind {
+    let p4 = region.h.row(2);
+    match (region.space.directional, region.shape()) {
+        (true, _) if p4.x == 0.0 && p4.y == 0.0 => RowKind::Plain,
+        (true, _) => RowKind::Free,
+        (false, Shape::Projective) => RowKind::PlainIfFine,
+        (false, Shape::Affine | Shape::Rectangle) => RowKind::Plain,
     }
 }
 
@@ -158,17 +181,32 @@ impl<'a> Judge<'a> {
         JudgedMap::new(region.clone(), self.tracer, visible)
     }
 
-    /// How many of its own receivers one map answers wrongly, if fewer than `limit`.
-    pub fn fewer_wrong(
+    /// The smallest limit on wrong pixels that one map meets on its own receivers, some of those judged, if below `limit`.
+    pub fn least_limit(
         &mut self,
         map: &JudgedMap,
         size: [u32; 2],
         bias: Bias,
         own: &Receivers,
-        limit: u64,
-    ) -> Result<Option<u64>, RasterError> {
-        let drawn = self.drawn(map, size, bias)?;
-        Ok(fewer_wrong(own, &[drawn], self.question.map.outside, limit))
+        limit: f64,
+    ) -> Result<Option<f64>, RasterError> {
+        let drawn = [self.drawn(map, size, bias)?];
+        // Whatever is certain of them, more wrong ones than this are too many.
+        let most = (limit * UNCERTAIN_SLACK).ceil();
+        let found = fewer_wrong(own, &drawn, self.question.map.outside, most as u64);
+        let [Drawn { map: memory, .. }] = drawn;
+        self.canvas.map = memory;
+        let Some(mut wrong) = found else { return Ok(None) };
+        if own.len() < self.receivers.len() {
+            // Both are in the order of the film.
+            let pixels = &self.receivers.pixels;
+            wrong = wrong
+                .iter()
+                .filter_map(|i| pixels.binary_search(&own.pixels[*i as usize]).ok())
+                .map(|i| i as u32)
+                .collect();
+        }
+        Ok(Some(self.verdict(&wrong).least_limit()).filter(|found| *found < limit))
     }
 
     fn drawn(&mut self, map: &JudgedMap, [width, height]: [u32; 2], bias: Bias) -> Result<Drawn, RasterError> {
@@ -226,12 +264,8 @@ impl<'a> Judge<'a> {
 
     /// Wrong receivers that neither a larger nor no bias answers right: misplaced shadow edges.
     pub fn misplaced(&mut self, sizes: &[[u32; 2]], bias: Bias, wrong: &[u32]) -> Result<Vec<u32>, RasterError> {
-        /// How much larger the larger bias is.
-        const LARGER: f64 = 4.0;
-        let larger =
-            Bias { constant: bias.constant * LARGER * LARGER, slope: bias.slope * LARGER, clamp: bias.clamp * LARGER };
         let mut edge = wrong.to_vec();
-        for other in [larger, Bias::NONE] {
+        for other in other_biases(bias) {
             let drawn = self.draw(sizes, other)?;
             let still_wrong = self.wrong(&drawn);
             edge.retain(|i| still_wrong.binary_search(i).is_ok());

@@ -4,6 +4,7 @@ mod bias;
 mod certify;
 mod fitted;
 mod judge;
+mod nearby;
 mod params;
 mod polish;
 mod search;
@@ -11,13 +12,13 @@ mod shares;
 mod sizes;
 
 pub use bias::{default_bias, measured_bias};
-pub use certify::{Certified, Trial, certify, grid_of, predict_only, predicted_at_quantile, trial};
+pub use certify::{Certified, Trial, certify, choose, grid_of, predict_only, predicted_at_quantile, trial};
 pub use fitted::{
     FilmQuestion, FittedLight, bound_limit, fit_light, fit_texels, predict, predicted_bound, predicted_texels,
 };
-pub use judge::{Judge, JudgedMap};
-pub use params::{AspectRule, BiasParams, Bound, MapParams, Measure, QualityParams, SIZE_MAX, SingleSided};
-pub use polish::polish;
-pub use search::{Probe, smallest};
+pub use judge::{Judge, JudgedMap, other_biases};
+pub use params::{AspectRule, BiasParams, Bound, MapParams, Measure, QualityParams, SIZE_MAX, SingleSided, TEXELS_MAX};
+pub use polish::{Drawing, polish, polishes, size_on_grid};
+pub use search::{Probe, grown, smallest};
 pub use shares::shares;
 pub use sizes::SizeGrid;

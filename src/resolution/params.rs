@@ -23,11 +23,22 @@ pub enum Bound {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Measure {
-    /// Every planned size is measured at film resolution against exact visibility.
+    /// Every planned size is measured at film resolution against exact visibility, and so is the next smaller one.
     #[default]
     Always,
+    /// The predicted size is measured once, with the default bias. Only where it is over, the bias is chosen by measurement
+    /// and larger sizes are measured until one meets; no smaller one is tried. Segments of a shot are measured as with
+    /// `always`.
+    Check,
     /// Planned from the prediction alone; the plan says so.
     Never,
+}
+
+impl Measure {
+    /// Whether maps are drawn and counted at all.
+    pub fn measures(self) -> bool {
+        self != Measure::Never
+    }
 }
 
 /// `[quality]`: the bound that the smallest map has to meet.
@@ -137,6 +148,9 @@ pub struct MapParams {
 
 /// Largest width or height of a map or image, texels: what a renderer's textures and this memory allow.
 pub const SIZE_MAX: u32 = 16_384;
+
+/// Most texels of a light's maps together: what one map of the largest size has, 1 GiB of depth.
+pub const TEXELS_MAX: u64 = SIZE_MAX as u64 * SIZE_MAX as u64;
 
 impl Default for MapParams {
     fn default() -> Self {

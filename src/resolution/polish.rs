@@ -1,43 +1,68 @@
 //! Chooses between maps by what they are measured to get wrong.
 //!
-//! The metric sees shadow edges, not what the bias hides nor what falls between samples. So at the predicted size a few
-//! more maps are drawn and counted: the answers of the other metrics and of the scene-optimal method, then in rounds the
-//! neighbours of the best map so far. The measured count decides, ties by the order of trial. Each map of a light is
-//! judged on the pixels that look it up; then texels move between the maps to where they are measured to count most.
+//! The metric sees shadow edges, not what the bias hides nor how thin things fall on texels. So a few more maps are drawn
+//! at the size and with the bias they are to have, and counted as the certificate counts: the answers of the other
+//! metrics and of other methods, then maps near the best one so far (`nearby`). The fewest wrong pixels decide, ties by
+//! the order of trial. Each map of a light is judged on the pixels that look it up; then texels move between the maps to
+//! where they are measured to count most.
 
-use super::bias::default_bias;
 use super::judge::{Judge, JudgedMap};
+use super::nearby::Nearby;
 use super::shares::measured_shares;
-use super::{FilmQuestion, FittedLight, SizeGrid};
+use super::{FilmQuestion, FittedLight, MapParams, SizeGrid};
 use crate::depth::Visible;
 use crate::math::{Domain, first_holding};
 use crate::measure::{Outside, Receivers};
-use crate::methods::{Inputs, Method, Region, SolverParams, neighbours, solve};
+use crate::methods::{Inputs, Method, Region, SolverParams, near, refitted, solve};
 use crate::metric::Metric;
-use crate::raster::RasterError;
+use crate::raster::{Bias, RasterError};
 use crate::samples::LightSamples;
 use glam::DVec3;
 
-/// How far the first round's neighbours stand, relative to the legal range of p4; a third of that in the last one.
-const FIRST_STEP: f64 = 0.08;
-
-/// Largest map measured here, texels: which of two maps wastes less does not hang on their size, and larger ones cost
-/// time to draw.
+/// Largest map measured here, texels; larger ones cost time to draw. What coarse steps gain at this size holds at larger
+/// ones, what fine ones gain does not: they are left out.
 const TEXELS_MEASURED: f64 = (1u32 << 20) as f64;
 
-/// Replaces a light's maps by better ones, and their shares of the texels, where measuring finds some. Other methods
-/// than lixel's own, and maps that may not warp, stay as they are. Returns the number of maps measured.
+/// Maps near the best one that one of `solver.measured_rounds` measures.
+const MAPS_A_ROUND: u32 = 8;
+
+/// The first maps near the best one keep the metric's own affine part and only move p4: coarse steps first.
+const REFITTED: u32 = 2 * MAPS_A_ROUND;
+
+/// How maps are drawn that are chosen between.
+#[derive(Clone, Copy)]
+pub struct Drawing<'a> {
+    /// Texels of a map of an aspect (width over height), for its share of the light's texels.
+    pub size: &'a dyn Fn(f64, f64) -> [u32; 2],
+    /// As they will be drawn.
+    pub bias: Bias,
+}
+
+/// The size on a job's grid of a single map with at least so many texels.
+pub fn size_on_grid(map: &MapParams, aspect: f64, texels: f64) -> [u32; 2] {
+    let grid = SizeGrid::new(&[(aspect, 1.0)], map);
+    grid.sizes(grid.at_least(texels))[0]
+}
+
+/// Whether measuring is asked to choose between maps: of lixel's own methods only.
+pub fn polishes(solver: &SolverParams) -> bool {
+    solver.measured_rounds > 0 && matches!(solver.method, Method::Lixel | Method::Partitioned)
+}
+
+/// Replaces a light's maps by better ones, and their shares of the texels, where measuring finds some, unless the job asks
+/// for none. Returns the number of maps measured.
 pub fn polish(
     question: &FilmQuestion,
     samples: &LightSamples,
     fitted: &mut FittedLight,
     judge: &mut Judge,
+    drawing: &Drawing,
 ) -> Result<u64, RasterError> {
-    let ours = matches!(question.solver.method, Method::Lixel | Method::Partitioned);
-    if question.solver.measured_rounds == 0 || !ours {
+    if !polishes(question.solver) {
         return Ok(0);
     }
     let texels = fitted.texels.min(TEXELS_MEASURED);
+    let smaller = texels < fitted.texels;
     let own = judge.own_receivers();
     let first = |point: DVec3| first_holding(fitted.regions.iter().map(|r| &r.domain), point);
     let mut edges = vec![Vec::new(); fitted.regions.len()];
@@ -63,14 +88,15 @@ pub fn polish(
         let texels = texels * fitted.shares[k];
         let inputs = question.inputs(samples, &covered[k], texels, question.solver);
         let visible = &Visible::new(&own.positions);
-        let part = Part { question, inputs: Inputs { edges: &edges[k], ..inputs }, own, visible, texels };
+        let inputs = Inputs { edges: &edges[k], ..inputs };
+        let part = Part { question, inputs, own, visible, texels, smaller, drawing };
         if let Some(map) = part.best(judge, &fitted.regions[k], &mut measured)? {
             fitted.regions[k] = map.region.clone();
             judge.maps[k] = map;
         }
     }
     if fitted.regions.len() > 1 {
-        measured += measured_shares(question, judge, &own, texels, &mut fitted.shares)?;
+        measured += measured_shares(judge, &own, texels, drawing, &mut fitted.shares)?;
     }
     Ok(measured)
 }
@@ -82,22 +108,16 @@ struct Part<'a> {
     own: &'a Receivers,
     visible: &'a Visible<'a>,
     texels: f64,
+    /// They are fewer than the map will have.
+    smaller: bool,
+    drawing: &'a Drawing<'a>,
 }
 
 impl Part<'_> {
     /// The map with the fewest wrong pixels; `None` when the region itself has no depth row.
     fn best(&self, judge: &mut Judge, region: &Region, measured: &mut u64) -> Result<Option<JudgedMap>, RasterError> {
         let solver = self.question.solver;
-        let Some(mut best) = self.measure(judge, region, u64::MAX)? else { return Ok(None) };
-        let mut better = |judge: &mut Judge, candidates: Vec<Region>, best: &mut (u64, JudgedMap)| {
-            for region in candidates {
-                *measured += 1;
-                if let Some(candidate) = self.measure(judge, &region, best.0)? {
-                    *best = candidate;
-                }
-            }
-            Ok::<(), RasterError>(())
-        };
+        let Some(mut best) = self.measure(judge, region, f64::INFINITY)? else { return Ok(None) };
         let variant = |method: Method, metric: Metric| self.variant(method, metric, &region.domain);
         let others = [
             variant(Method::Lixel, Metric::Displacement).filter(|_| solver.metric != Metric::Displacement),
@@ -108,13 +128,31 @@ impl Part<'_> {
             variant(Method::Tsm, Metric::L2),
             variant(Method::Focused, Metric::L2),
         ];
-        better(judge, others.into_iter().flatten().collect(), &mut best)?;
-        let rounds = solver.measured_rounds;
-        for round in 0..rounds {
-            let t = if rounds > 1 { f64::from(round) / f64::from(rounds - 1) } else { 0.0 };
-            let step = FIRST_STEP * (1.0 - t * 2.0 / 3.0);
-            let near = neighbours(&self.inputs, &best.1.region, step);
-            better(judge, near, &mut best)?;
+        for region in others.into_iter().flatten() {
+            *measured += 1;
+            if let Some(better) = self.measure(judge, &region, best.0)? {
+                best = better;
+            }
+        }
+        let mut nearby = Nearby::new();
+        let asked = solver.measured_rounds.saturating_mul(MAPS_A_ROUND);
+        for k in 0..if self.smaller { asked.min(REFITTED) } else { asked } {
+            let here = &best.1.region;
+            let candidate = if k < REFITTED {
+                refitted(&self.inputs, here, nearby.warp())
+            } else {
+                near(&self.inputs, here, &nearby.step())
+            };
+            let Some(region) = candidate else {
+                nearby.heed(false);
+                continue;
+            };
+            *measured += 1;
+            let better = self.measure(judge, &region, best.0)?;
+            nearby.heed(better.is_some());
+            if let Some(better) = better {
+                best = better;
+            }
         }
         Ok(Some(best.1))
     }
@@ -128,12 +166,11 @@ impl Part<'_> {
         Some(region)
     }
 
-    /// Wrong pixels of a region, if fewer than `limit`; `None` also when it has no depth row.
-    fn measure(&self, judge: &mut Judge, region: &Region, limit: u64) -> Result<Option<(u64, JudgedMap)>, RasterError> {
+    /// A region's wrong pixels as a limit that it meets, if below `limit`; `None` also when it has no depth row.
+    fn measure(&self, judge: &mut Judge, region: &Region, limit: f64) -> Result<Option<(f64, JudgedMap)>, RasterError> {
         let Ok(map) = judge.judged(region, self.visible) else { return Ok(None) };
-        let grid = SizeGrid::new(&[(region.aspect, 1.0)], self.question.map);
-        let size = grid.sizes(grid.at_least(self.texels))[0];
-        let bias = default_bias(&self.question.map.bias);
-        Ok(judge.fewer_wrong(&map, size, bias, self.own, limit)?.map(|wrong| (wrong, map)))
+        let size = (self.drawing.size)(region.aspect, self.texels);
+        let found = judge.least_limit(&map, size, self.drawing.bias, self.own, limit)?;
+        Ok(found.map(|found| (found, map)))
     }
 }

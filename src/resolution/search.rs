@@ -47,6 +47,28 @@ pub fn smallest<E>(
     }
 }
 
+/// The first entry that meets, from a guess upwards by the measured ratio; smaller ones are not tried. `None` when the largest
+/// entry was tried and is over. Errors of `probe` pass through.
+pub fn grown<E>(
+    count: usize,
+    guess: usize,
+    step: f64,
+    mut probe: impl FnMut(usize) -> Result<Probe, E>,
+) -> Result<Option<usize>, E> {
+    let last = count.saturating_sub(1);
+    let mut next = guess.min(last);
+    loop {
+        let found = probe(next)?;
+        if found.meets {
+            return Ok(Some(next));
+        }
+        if next == last {
+            return Ok(None);
+        }
+        next = (next + jump(found.ratio, step)).min(last);
+    }
+}
+
 /// Entries to move so that an error over epsilon of `ratio` comes to 1.
 fn jump(ratio: f64, step: f64) -> usize {
     let entries = ratio.clamp(1.0, 1e6).ln() / (EXPONENT * step.ln());
@@ -99,6 +121,23 @@ mod tests {
                 assert!(tried.len() <= 20, "{} trials", tried.len());
             }
         }
+    }
+
+    #[test]
+    fn growing_stops_at_the_first_that_meets_and_tries_none_below_the_guess() {
+        for guess in [0, 50, 119, 120, 299] {
+            let mut tried = Vec::new();
+            let found = grown(300, guess, 1.02, |i| {
+                tried.push(i);
+                let ratio = 1.02_f64.powf(0.7 * (120.0 - i as f64));
+                Ok::<_, ()>(Probe { meets: ratio <= 1.0, ratio })
+            });
+            assert_eq!(found.unwrap().as_ref(), tried.last());
+            assert!(tried[0] == guess && tried.is_sorted() && tried.len() <= 8, "{tried:?}");
+            assert_eq!(tried.last().copied(), Some(guess.max(*tried.last().unwrap())));
+        }
+        let over = |_| Ok::<_, ()>(Probe { meets: false, ratio: 3.0 });
+        assert_eq!(grown(10, 4, 1.02, over), Ok(None));
     }
 
     #[test]

@@ -1,8 +1,7 @@
 //! How the texels of a light are split over its maps.
 
-use super::bias::default_bias;
 use super::judge::Judge;
-use super::{FilmQuestion, SizeGrid};
+use super::polish::Drawing;
 use crate::measure::Receivers;
 use crate::methods::Region;
 use crate::raster::RasterError;
@@ -44,25 +43,24 @@ const MOST: f64 = 2.0;
 /// n_k s^(-a_k); where texels are spent best, a_k n_k / s_k is the same for all. Keeps the split with the fewest wrong
 /// pixels. `own` are the receivers of each map. Returns the number of maps measured.
 pub(super) fn measured_shares(
-    question: &FilmQuestion,
     judge: &mut Judge,
     own: &[Cow<Receivers>],
     texels: f64,
+    drawing: &Drawing,
     shares: &mut Vec<f64>,
 ) -> Result<u64, RasterError> {
     let maps = judge.maps.clone();
     let mut measured = 0;
     let mut wrong = |judge: &mut Judge, k: usize, share: f64| {
         measured += 1;
-        let grid = SizeGrid::new(&[(maps[k].region.aspect, 1.0)], question.map);
-        let size = grid.sizes(grid.at_least(texels * share))[0];
-        let wrong = judge.fewer_wrong(&maps[k], size, default_bias(&question.map.bias), &own[k], u64::MAX)?;
-        Ok::<u64, RasterError>(wrong.unwrap_or(u64::MAX))
+        let size = (drawing.size)(maps[k].region.aspect, texels * share);
+        let found = judge.least_limit(&maps[k], size, drawing.bias, &own[k], f64::INFINITY)?;
+        Ok::<f64, RasterError>(found.unwrap_or(f64::INFINITY))
     };
     let mut current = shares.clone();
-    let mut best: Option<u64> = None;
+    let mut best: Option<f64> = None;
     for round in 0..=ROUNDS {
-        let here = (0..maps.len()).map(|k| wrong(judge, k, current[k])).collect::<Result<Vec<u64>, _>>()?;
+        let here = (0..maps.len()).map(|k| wrong(judge, k, current[k])).collect::<Result<Vec<f64>, _>>()?;
         let sum = here.iter().sum();
         if best.is_some_and(|b| sum >= b) {
             break;
@@ -74,11 +72,11 @@ pub(super) fn measured_shares(
         }
         let mut next = Vec::with_capacity(maps.len());
         for (k, n) in here.iter().enumerate() {
-            let fewer = wrong(judge, k, current[k] / SPREAD)? as f64;
-            let more = wrong(judge, k, current[k] * SPREAD)? as f64;
+            let fewer = wrong(judge, k, current[k] / SPREAD)?;
+            let more = wrong(judge, k, current[k] * SPREAD)?;
             // One pixel more on both sides: maps without errors have a law too.
             let exponent = ((fewer + 1.0) / (more + 1.0)).ln() / (2.0 * SPREAD.ln());
-            let pull = exponent.clamp(0.05, 2.0) * (*n as f64 + 1.0);
+            let pull = exponent.clamp(0.05, 2.0) * (*n + 1.0);
             next.push((pull, exponent.clamp(0.05, 2.0)));
         }
         current = balanced(&current, &next);

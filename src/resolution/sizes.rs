@@ -1,6 +1,6 @@
 //! The grid of sizes that a search may choose from.
 
-use super::{AspectRule, MapParams};
+use super::{AspectRule, MapParams, TEXELS_MAX};
 use serde::{Deserialize, Serialize};
 
 /// Sizes along the optimal aspects of a light's maps, ascending; each entry has a size for every map.
@@ -11,7 +11,8 @@ pub struct SizeGrid {
 
 impl SizeGrid {
     /// `maps` are (aspect, share of the texels) of each map. Neighbouring entries differ by `step` along each side before
-    /// rounding; entries that round to the same sizes are one. Ends where a map would pass `max`.
+    /// rounding; entries that round to the same sizes are one. Ends where a map would pass `max`, or all of them together
+    /// [`TEXELS_MAX`].
     pub fn new(maps: &[(f64, f64)], params: &MapParams) -> SizeGrid {
         let mut sizes: Vec<Vec<[u32; 2]>> = Vec::new();
         let mut side = f64::from(params.min);
@@ -29,7 +30,8 @@ impl SizeGrid {
             let over = maps.iter().any(|(aspect, share)| {
                 side * (share * aspect.max(1.0 / aspect)).sqrt() > f64::from(params.max) * params.step
             });
-            if over && !sizes.is_empty() {
+            let texels: u64 = entry.iter().map(|[w, h]| u64::from(*w) * u64::from(*h)).sum();
+            if (over || texels > TEXELS_MAX) && !sizes.is_empty() {
                 break;
             }
             if sizes.last() != Some(&entry) {

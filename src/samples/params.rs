@@ -18,6 +18,6 @@ pub struct SamplingParams {
 
 impl Default for SamplingParams {
     fn default() -> Self {
-        Self { grid: 4096, refine: 3, cap: 100_000 }
+        Self { grid: 4096, refine: 3, cap: 4096 }
     }
 }

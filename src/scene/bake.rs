@@ -1,5 +1,6 @@
 //! The scene's origin, and triangles in scene space.
 
+use super::instance::{self, Instance, Shared};
 use super::marks::Marks;
 use super::mesh::has_area;
 use super::model::Part;
@@ -80,6 +81,19 @@ pub(super) struct Placed {
     pub triangles: Vec<Triangle>,
     /// Of the triangles.
     pub marks: Marks,
+    /// Shared meshes.
+    pub instances: Vec<Instance>,
+}
+
+impl Placed {
+    /// Numbers the triangles of instances, after those listed.
+    pub(super) fn number(&mut self) {
+        let mut first = self.triangles.len() as u32;
+        for instance in &mut self.instances {
+            instance.first = first;
+            first += instance.count;
+        }
+    }
 }
 
 /// Where scene space has its zero, world metres. Along each axis it is the world's, unless f32 vertices would then be
@@ -97,7 +111,7 @@ pub(super) fn origin(bounds: &Bounds) -> DVec3 {
     DVec3::new(along(0), along(1), along(2))
 }
 
-/// Appends the triangles of a part in scene space; returns how many were dropped because they have no area, by rounding
+/// Appends the triangles of a part in scene space, or its instance where its mesh is shared; returns how many were dropped because they have no area, by rounding
 /// to f32, a scale of zero or a deformation. A hidden part has none. Under a mirroring matrix the winding is turned, so
 /// that fronts stay fronts.
 ///
@@ -105,6 +119,7 @@ pub(super) fn origin(bounds: &Bounds) -> DVec3 {
 /// [`SceneError::Pose`] when a vertex overflows f32.
 pub(super) fn place_part(
     rig: Rig<'_>,
+    shared: &Shared,
     part: &Part,
     pose: &Pose,
     origin: DVec3,
@@ -115,7 +130,12 @@ pub(super) fn place_part(
     if state.hidden {
         return Ok(0);
     }
-    let placed: Vec<_> = state.vertices(mesh).into_iter().map(|v| (v - origin).as_vec3()).collect();
+    if let Some(mesh) = shared.of(part) {
+        let (instance, dropped) = instance::place(rig, part, &state, mesh, origin, time_s)?;
+        out.instances.extend(instance);
+        return Ok(dropped);
+    }
+    let placed = state.vertices(mesh, |v| (v - origin).as_vec3());
     if !placed.iter().all(|v| v.is_finite()) {
         let problem = "a vertex overflows; check the scales above it, its joints and its morph weights";
         return Err(rig.node(part).pose_error(problem, time_s));

@@ -35,6 +35,9 @@ pub struct Camera {
     pub far: Option<f64>,
 }
 
+/// Most pixels of an image. Planning holds about 100 bytes for each, so this takes 6.4 GiB.
+pub const FILM_PIXELS_MAX: u64 = 1 << 26;
+
 /// The image: square pixels, row 0 at the top.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Film {

@@ -55,7 +55,11 @@ impl Line<'_> {
 }
 
 fn malformed(path: &Path, place: impl Into<String>, problem: impl Into<String>) -> SceneError {
-    SceneError::Malformed { path: path.to_owned(), place: place.into(), problem: problem.into() }
+    SceneError::Malformed {
+        path: path.to_owned(),
+        place: place.into(),
+        problem: format!("{}; fix it or write the path again", problem.into()),
+    }
 }
 
 /// The lines that hold numbers.

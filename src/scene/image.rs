@@ -11,6 +11,11 @@ const SIDE_MAX: u32 = 16_384;
 /// refused.
 const DECODER_BYTES_MAX: u64 = 1 << 30;
 
+/// Texels that an image may have whatever its file's size, and for each byte of the file: formats that code equal texels
+/// in no bits at all let 30 bytes stand for a gigabyte. A mask has outlines: they take far more than a bit in 1000 texels.
+const TEXELS_FREE: u64 = 1 << 22;
+const TEXELS_PER_BYTE: u64 = 1024;
+
 /// Which numbers of an image are its opacity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Opacity {
@@ -22,7 +27,15 @@ pub(super) enum Opacity {
 
 /// The opacity of an encoded image; the error says what stands in the way.
 pub(super) fn decode(bytes: &[u8], opacity: Opacity) -> Result<AlphaImage, String> {
-    let mut reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|error| error.to_string())?;
+    let read = || ImageReader::new(Cursor::new(bytes)).with_guessed_format();
+    let (width, height) =
+        read().and_then(|r| r.into_dimensions().map_err(std::io::Error::other)).map_err(|error| error.to_string())?;
+    let most = TEXELS_FREE + TEXELS_PER_BYTE * bytes.len() as u64;
+    if u64::from(width) * u64::from(height) > most {
+        let size = bytes.len();
+        return Err(format!("{width} x {height} texels in {size} bytes, more than the {most} that are decoded of it"));
+    }
+    let mut reader = read().map_err(|error| error.to_string())?;
     let mut limits = Limits::default();
     limits.max_image_width = Some(SIDE_MAX);
     limits.max_image_height = Some(SIDE_MAX);

@@ -48,6 +48,9 @@ impl MeshBuilder {
     ) -> Result<Vec<u32>, MeshFlaw> {
         let mut taken = Vec::new();
         let mut place_of = vec![UNUSED; vertices.len()];
+        let most = vertices.len().min(triangles.len().saturating_mul(3));
+        self.mesh.vertices.reserve(most);
+        self.mesh.triangles.reserve(triangles.len());
         for (number, triangle) in triangles.iter().enumerate() {
             let mut corners = [DVec3::ZERO; 3];
             for (corner, &index) in corners.iter_mut().zip(triangle) {

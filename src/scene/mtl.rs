@@ -4,7 +4,7 @@
 //! A library or texture that cannot be found is noted, and its materials are opaque: OBJ files often come without.
 
 use super::BlendRule;
-use super::beside;
+use super::beside::{self, Reach};
 use super::image::{self, Opacity};
 use super::mask::{Mask, Wrap};
 use super::model::Model;
@@ -54,14 +54,14 @@ struct Map {
 }
 
 /// Adds the materials of a library, whose text has been read, to `library`, their masks, textures and notes to the model.
-pub(super) fn read(path: &Path, text: &str, blend: BlendRule, library: &mut Library, model: &mut Model) {
+pub(super) fn read(path: &Path, text: &str, rules: (BlendRule, Reach), library: &mut Library, model: &mut Model) {
     for material in parse(text) {
-        let covering = cover(path, &material, blend, model);
+        let covering = cover(path, &material, rules, model);
         library.insert(material.name, covering);
     }
 }
 
-fn cover(path: &Path, material: &Statements, blend: BlendRule, model: &mut Model) -> Covering {
+fn cover(path: &Path, material: &Statements, (blend, reach): (BlendRule, Reach), model: &mut Model) -> Covering {
     let factor = material.dissolve.unwrap_or(1.0);
     let Some(map) = &material.map else {
         return match blend {
@@ -70,8 +70,8 @@ fn cover(path: &Path, material: &Statements, blend: BlendRule, model: &mut Model
             _ => Covering::Opaque,
         };
     };
-    let read = beside::path(path, &map.file.replace('\\', "/")).map_err(str::to_owned).and_then(|file| {
-        let bytes = std::fs::read(&file).map_err(|error| error.to_string())?;
+    let read = beside::path(path, &map.file.replace('\\', "/"), reach).map_err(str::to_owned).and_then(|file| {
+        let bytes = beside::bytes(&file).map_err(|error| error.to_string())?;
         let image = image::decode(&bytes, Opacity::AlphaOrLuminance)?;
         Ok((file, image))
     });

@@ -1,13 +1,14 @@
 //! Wavefront OBJ → one mesh under one node, through tobj. Vertices are kept in f64, as written; points and lines are
 //! skipped. Of materials only what cuts holes is read ([`super::mtl`]); v runs up in OBJ, down in images.
 
+use super::beside::{self, Reach};
 use super::marks::Mark;
 use super::mask::Cutout;
 use super::mesh::MeshBuilder;
 use super::model::{Local, Model, Node, Part, Tracks};
 use super::mtl::{self, Covering, Library};
 use super::polygon::triangulate;
-use super::{BlendRule, SceneError, beside};
+use super::{BlendRule, SceneError};
 use glam::{DQuat, DVec3};
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
@@ -17,18 +18,33 @@ use std::sync::Arc;
 ///
 /// # Errors
 /// [`SceneError::Malformed`]: what tobj refuses, indices out of range, vertices not finite.
-pub(super) fn read(path: &Path, bytes: &[u8], blend: BlendRule, model: &mut Model) -> Result<(), SceneError> {
+pub(super) fn read(
+    path: &Path,
+    bytes: &[u8],
+    blend: BlendRule,
+    reach: Reach,
+    model: &mut Model,
+) -> Result<(), SceneError> {
     let fail = |place: String, problem: String| SceneError::Malformed { path: path.to_owned(), place, problem };
     let options = tobj::LoadOptions { ignore_points: true, ignore_lines: true, ..Default::default() };
     let libraries = RefCell::new(Vec::new());
     let loader = |name: &Path| {
         libraries.borrow_mut().push(name.to_owned());
-        names_of(&library_text(path, name).map(|(_, text)| text).unwrap_or_default())
+        names_of(&library_text(path, name, reach).map(|(_, text)| text).unwrap_or_default())
     };
-    let (objects, materials) = tobj::load_obj_buf(&mut clean(bytes).as_bytes(), &options, loader)
-        .map_err(|error| fail("OBJ".into(), format!("{error}; export the file again")))?;
+    let text = clean(bytes);
+    let mut found = tobj::load_obj_buf(&mut text.as_bytes(), &options, loader);
+    if matches!(found, Err(tobj::LoadError::FaceColorOutOfBounds)) {
+        // Colours on some vertices only; none of them is asked for.
+        libraries.borrow_mut().clear();
+        found = tobj::load_obj_buf(&mut without_colours(&text).as_bytes(), &options, loader);
+    }
+    let (objects, materials) = found.map_err(|error| match flawed_line(&text) {
+        Some((number, line)) => fail(format!("line {number}"), format!("{error}: {line:?}; export the file again")),
+        None => fail("OBJ".into(), format!("{error}; export the file again")),
+    })?;
     let materials = materials.unwrap_or_default();
-    let library = read_libraries(path, &libraries.into_inner(), blend, model);
+    let library = read_libraries(path, &libraries.into_inner(), (blend, reach), model);
     let mut builder = MeshBuilder::default();
     for object in &objects {
         let vertices: Vec<DVec3> =
@@ -87,9 +103,9 @@ fn mark(mesh: &tobj::Mesh, corners: [usize; 3], covering: Covering, model: &Mode
 }
 
 /// Path and text of a library; the error says why there is none.
-fn library_text(path: &Path, name: &Path) -> Result<(PathBuf, String), String> {
-    let file = beside::path(path, &name.to_string_lossy().replace('\\', "/"))?;
-    let bytes = std::fs::read(&file).map_err(|error| error.to_string())?;
+fn library_text(path: &Path, name: &Path, reach: Reach) -> Result<(PathBuf, String), String> {
+    let file = beside::path(path, &name.to_string_lossy().replace('\\', "/"), reach)?;
+    let bytes = beside::bytes(&file).map_err(|error| error.to_string())?;
     Ok((file, clean(&bytes)))
 }
 
@@ -102,12 +118,12 @@ fn names_of(text: &str) -> tobj::MTLLoadResult {
     Ok((materials, numbers))
 }
 
-fn read_libraries(path: &Path, names: &[PathBuf], blend: BlendRule, model: &mut Model) -> Library {
+fn read_libraries(path: &Path, names: &[PathBuf], (blend, reach): (BlendRule, Reach), model: &mut Model) -> Library {
     let mut library = Library::new();
     for name in names {
-        match library_text(path, name) {
+        match library_text(path, name, reach) {
             Ok((file, text)) => {
-                mtl::read(&file, &text, blend, &mut library, model);
+                mtl::read(&file, &text, (blend, reach), &mut library, model);
                 if !model.inputs.contains(&file) {
                     model.inputs.push(file);
                 }
@@ -130,6 +146,44 @@ fn clean(bytes: &[u8]) -> String {
         Err(_) => bytes.iter().map(|&byte| char::from(byte)).collect(),
     };
     if text.contains('\\') { text.replace("\\\r\n", " ").replace("\\\n", " ") } else { text }
+}
+
+/// Vertices without what follows their coordinates.
+fn without_colours(text: &str) -> String {
+    let line = |line: &str| match line.split_whitespace().collect::<Vec<_>>().as_slice() {
+        ["v", x, y, z, ..] => format!("v {x} {y} {z}\n"),
+        _ => format!("{line}\n"),
+    };
+    text.lines().map(line).collect()
+}
+
+/// Most characters of a line that are quoted.
+const QUOTED: usize = 60;
+
+/// The first line with a coordinate that is no number, or a face whose vertex is none, by number from 1; tobj does not say
+/// where it gave up.
+fn flawed_line(text: &str) -> Option<(usize, &str)> {
+    let mut vertices = 0_i64;
+    let is_vertex = |word: &str, vertices: i64| {
+        let index = word.split('/').next().and_then(|index| index.parse::<i64>().ok());
+        index.is_some_and(|index| index != 0 && index.unsigned_abs() <= vertices.unsigned_abs())
+    };
+    for (number, line) in (1..).zip(text.lines()) {
+        let mut words = line.split_whitespace();
+        let sound = match words.next() {
+            Some("v") => {
+                vertices += 1;
+                words.clone().count() >= 3 && words.take(3).all(|word| word.parse::<f64>().is_ok())
+            }
+            Some("f") => words.all(|word| is_vertex(word, vertices)),
+            _ => true,
+        };
+        if !sound {
+            let end = line.char_indices().nth(QUOTED).map_or(line.len(), |(end, _)| end);
+            return Some((number, line[..end].trim()));
+        }
+    }
+    None
 }
 
 /// Triangles of all faces of an object, as places in its list of indices. tobj lists no arities when all faces are

@@ -127,6 +127,29 @@ pub struct CameraKey {
 pub struct VisibilityParams {
     /// What becomes of glTF materials with alphaMode BLEND, and of OBJ materials that are partly transparent (`d`, `Tr`).
     pub blend: BlendRule,
+    /// Whether meshes that are placed several times, or move rigidly, are kept once.
+    #[serde(skip_serializing_if = "InstanceRule::is_auto")]
+    pub instances: InstanceRule,
+}
+
+/// What becomes of meshes that are placed several times, or move rigidly. Plans are the same but where two triangles lie at
+/// the same depth to the bit.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum InstanceRule {
+    /// Kept once where that saves much memory, or much sorting of what moves.
+    #[default]
+    Auto,
+    /// Every copy is kept: faster rays, more memory.
+    Flatten,
+    /// Every mesh without skin and morph targets is kept once: least memory.
+    Share,
+}
+
+impl InstanceRule {
+    fn is_auto(&self) -> bool {
+        *self == InstanceRule::Auto
+    }
 }
 
 /// What becomes of a material that is blended: shadow maps have no half shadows.
@@ -219,4 +242,7 @@ pub struct LightParams {
     /// Metres; absent = unlimited.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub range: Option<f64>,
+    /// What one of its wrong pixels counts under a budget, at least 0; absent = 1.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub importance: Option<f64>,
 }

@@ -1,5 +1,6 @@
 //! Files → the model: each by its format, in its unit and axes, at its place.
 
+use super::beside::{self, Reach};
 use super::clip::Target;
 use super::model::{Local, Model, Node, Tracks};
 use super::names::list;
@@ -11,6 +12,7 @@ use std::sync::Arc;
 struct Choice<'a> {
     active_scene: Option<&'a str>,
     blend: BlendRule,
+    reach: Reach,
     met: gltf::ScenesMet,
 }
 
@@ -21,8 +23,12 @@ struct Choice<'a> {
 /// camera file, [`SceneError::ActiveScene`] for one that no file has.
 pub(super) fn all(params: &ShotParams<'_>) -> Result<(Model, Option<CameraParams>), SceneError> {
     let mut model = Model::default();
-    let mut choice =
-        Choice { active_scene: params.active_scene, blend: params.visibility.blend, met: gltf::ScenesMet::default() };
+    let mut choice = Choice {
+        active_scene: params.active_scene,
+        blend: params.visibility.blend,
+        reach: if params.allow_outside { Reach::Anywhere } else { Reach::Folder },
+        met: gltf::ScenesMet::default(),
+    };
     for file in params.scene {
         scene(file, &mut choice, &mut model)?;
     }
@@ -71,12 +77,12 @@ fn scene(file: &SceneFile, choice: &mut Choice<'_>, model: &mut Model) -> Result
 }
 
 fn as_is(path: &Path, choice: &mut Choice<'_>, model: &mut Model) -> Result<(), SceneError> {
-    let bytes = std::fs::read(path).map_err(|source| SceneError::Read { path: path.to_owned(), source })?;
+    let bytes = beside::bytes(path).map_err(|source| SceneError::Read { path: path.to_owned(), source })?;
     model.inputs.push(path.to_owned());
     if is_gltf(path, &bytes) {
-        gltf::read(path, bytes, choice.active_scene, choice.blend, &mut choice.met, model)
+        gltf::read(path, bytes, (choice.active_scene, choice.blend, choice.reach), &mut choice.met, model)
     } else if path.extension().is_some_and(|have| have.eq_ignore_ascii_case("obj")) {
-        obj::read(path, &bytes, choice.blend, model)
+        obj::read(path, &bytes, choice.blend, choice.reach, model)
     } else {
         Err(SceneError::UnknownFormat { path: path.to_owned() })
     }
@@ -95,13 +101,13 @@ fn camera(
     model: &mut Model,
 ) -> Result<Option<CameraParams>, SceneError> {
     let Some(path) = &camera.file else { return Ok(None) };
-    let bytes = std::fs::read(path).map_err(|source| SceneError::Read { path: path.clone(), source })?;
+    let bytes = beside::bytes(path).map_err(|source| SceneError::Read { path: path.clone(), source })?;
     if is_gltf(path, &bytes) {
         model.cameras.clear();
         keep_channels(model, |target| !matches!(target, Target::Lens(_) | Target::Near(_) | Target::Far(_)));
         let (parts, lights) = (model.parts.len(), model.lights.len());
         model.inputs.push(path.clone());
-        gltf::read(path, bytes, choice.active_scene, BlendRule::Opaque, &mut choice.met, model)?;
+        gltf::read(path, bytes, (choice.active_scene, BlendRule::Opaque, choice.reach), &mut choice.met, model)?;
         model.parts.truncate(parts);
         model.lights.truncate(lights);
         keep_channels(model, |target| match target {

@@ -8,6 +8,7 @@
 //! The transform of a skinned mesh's own node does not enter, as the specification asks; its visibility does. A vertex
 //! of a skinned part without a joint moves with the node.
 
+use super::bake::Bounds;
 use super::model::{Mesh, Model, Node, Part, Skin};
 use super::pose::Pose;
 use glam::{DAffine3, DVec3};
@@ -91,15 +92,33 @@ impl<'a> Rig<'a> {
 }
 
 impl PartState {
-    /// World positions of the vertices of the part's mesh, in their order.
-    pub(super) fn vertices(&self, mesh: &Mesh) -> Vec<DVec3> {
+    /// The vertices of the part's mesh, in their order, as `wanted` makes them of their world positions.
+    pub(super) fn vertices<T: Send>(&self, mesh: &Mesh, wanted: impl Fn(DVec3) -> T + Sync) -> Vec<T> {
         let morphed = self.morphed(mesh);
         let vertices = morphed.as_deref().unwrap_or(&mesh.vertices);
-        let place = |(index, &v): (usize, &DVec3)| self.place(mesh, index, v);
+        let place = |(index, &v): (usize, &DVec3)| wanted(self.place(mesh, index, v));
         if vertices.len() < 2 * VERTICES_A_TASK {
             return vertices.iter().enumerate().map(place).collect();
         }
         vertices.par_iter().enumerate().with_min_len(VERTICES_A_TASK).map(place).collect()
+    }
+
+    /// The box of the vertices of the part's mesh, world.
+    pub(super) fn bounds(&self, mesh: &Mesh) -> Bounds {
+        let morphed = self.morphed(mesh);
+        let vertices = morphed.as_deref().unwrap_or(&mesh.vertices);
+        let of = |(task, run): (usize, &[DVec3])| {
+            let first = task * VERTICES_A_TASK;
+            Bounds::of(run.iter().enumerate().map(|(k, &v)| self.place(mesh, first + k, v)))
+        };
+        let tasks = vertices.par_chunks(VERTICES_A_TASK).enumerate().map(of);
+        tasks.reduce(
+            || Bounds::EMPTY,
+            |mut a, b| {
+                a.extend(b.ends());
+                a
+            },
+        )
     }
 
     /// Vertices with the morph targets laid on; `None` without any in use.

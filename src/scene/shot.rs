@@ -4,6 +4,7 @@ use super::bake::{self, Bounds, Placed, place_part};
 use super::camera_source::{self, CameraSource, Surroundings};
 use super::clip;
 use super::frames::{self, DEFAULT_FPS, FrameTime};
+use super::instance::Shared;
 use super::light_source::{self, LightSource};
 use super::marks::Marks;
 use super::mask::Mask;
@@ -12,8 +13,8 @@ use super::pose::Pose;
 use super::rig::Rig;
 use super::split::{self, Split};
 use super::{
-    CameraParams, Film, FramesParams, Geometry, ImageParams, LightParams, SceneError, SceneFile, SceneFrame, Triangle,
-    VisibilityParams, read,
+    CameraParams, FILM_PIXELS_MAX, Film, FramesParams, Geometry, ImageParams, Instance, LightParams, SceneError,
+    SceneFile, SceneFrame, SharedMesh, Triangle, VisibilityParams, read,
 };
 use glam::{DAffine3, DVec3};
 use std::path::PathBuf;
@@ -22,6 +23,8 @@ use std::path::PathBuf;
 const DEFAULT_WIDTH: u32 = 1920;
 /// Width over height of the film where neither job nor camera say.
 const DEFAULT_ASPECT: f64 = 16.0 / 9.0;
+/// Least width over height of a film that a camera's own aspect gives: a number in a file may not ask for any memory.
+const NARROWEST: f64 = 0.125;
 /// Longest side of a film, pixels: 16 bits, as in most image formats.
 const MAX_SIDE: u32 = 65_535;
 
@@ -44,6 +47,8 @@ pub struct ShotParams<'a> {
     pub lights: &'a [LightParams],
     /// `[visibility]`.
     pub visibility: &'a VisibilityParams,
+    /// `allow_outside`: scene files may name files outside their own folders.
+    pub allow_outside: bool,
 }
 
 /// What is to be planned.
@@ -66,6 +71,8 @@ pub struct Scene {
     pub still: Vec<Triangle>,
     /// Of the still triangles.
     pub still_marks: Marks,
+    /// Shared meshes that never move during the shot.
+    pub still_instances: Vec<Instance>,
     /// Masks of the triangles with holes.
     pub masks: Vec<Mask>,
     /// Every file read: each scene file as given, followed by its buffers.
@@ -74,6 +81,7 @@ pub struct Scene {
     pub notes: Vec<String>,
     /// Names of the animations that play.
     pub animations: Vec<String>,
+    pub(super) shared: Shared,
     nodes: Vec<Node>,
     meshes: Vec<Mesh>,
     skins: Vec<Skin>,
@@ -104,14 +112,18 @@ pub fn load(params: &ShotParams<'_>) -> Result<Shot, SceneError> {
     let split = split::split(&model, &frames)?;
     let origin = bake::origin(&split.bounds);
     let first_s = frames.first().map_or(0.0, |frame| frame.time_s);
-    let Placed { triangles: still, marks: still_marks } = bake_still(&mut model, &split, origin, first_s)?;
-    let moving = posed_triangles(Rig::of(&model), &split.moving, &split.first, origin, first_s)?.triangles;
+    let moving_may_be_there = split.moving.iter().any(|part| !model.meshes[part.mesh].triangles.is_empty());
+    check_count(&model, &split)?;
+    let shared = Shared::take(&mut model, [&split.still, &split.moving], params.visibility.instances);
+    let still = bake_still(&mut model, &shared, &split, origin, first_s)?;
+    let moving = posed_triangles(Rig::of(&model), &shared, &split.moving, &split.first, origin, first_s)?;
     // Moving parts may have none at the first frame only.
-    if still.is_empty() && split.moving.iter().all(|part| model.meshes[part.mesh].triangles.is_empty()) {
+    if still.triangles.is_empty() && still.instances.is_empty() && !moving_may_be_there {
         let files: Vec<String> = params.scene.iter().map(|file| file.path().display().to_string()).collect();
         return Err(SceneError::NoTriangles { files: files.join(", ") });
     }
-    let around = surroundings(&still, &moving, &split.bounds, origin);
+    let around = surroundings(&[&still, &moving], &shared, &split.bounds, origin);
+    drop(moving);
     let film_of_poses = film(params.image, None)?;
     let camera = camera_source::choose(params.camera, &model, fps, film_of_poses.aspect(), &around)?;
     let film = film(params.image, camera.aspect())?;
@@ -127,8 +139,10 @@ pub fn load(params: &ShotParams<'_>) -> Result<Shot, SceneError> {
     let Split { moving, animated, first, .. } = split;
     let scene = Scene {
         origin,
-        still,
-        still_marks,
+        still: still.triangles,
+        still_marks: still.marks,
+        still_instances: still.instances,
+        shared,
         masks,
         inputs,
         notes,
@@ -160,19 +174,19 @@ impl Scene {
         let light = |light: &LightSource| light.at(&self.nodes, &pose, self.origin, time_s);
         let lights = self.lights.iter().filter(|light| light.is_on(&pose)).map(light).collect::<Result<_, _>>()?;
         let rig = Rig { nodes: &self.nodes, meshes: &self.meshes, skins: &self.skins, instances: &self.instances };
-        let Placed { triangles: moving, marks: moving_marks } =
-            posed_triangles(rig, &self.moving, &pose, self.origin, time_s)?;
-        Ok(SceneFrame { time_s, camera, lights, moving, moving_marks })
+        let Placed { triangles: moving, marks: moving_marks, instances: moving_instances } =
+            posed_triangles(rig, &self.shared, &self.moving, &pose, self.origin, time_s)?;
+        Ok(SceneFrame { time_s, camera, lights, moving, moving_marks, moving_instances })
+    }
+
+    /// Meshes of instances, still and moving.
+    pub fn shared_meshes(&self) -> &[SharedMesh] {
+        &self.shared.meshes
     }
 
     /// All triangles of a frame.
     pub fn geometry<'a>(&'a self, frame: &'a SceneFrame) -> Geometry<'a> {
-        Geometry {
-            still: &self.still,
-            moving: &frame.moving,
-            marks: [&self.still_marks, &frame.moving_marks],
-            masks: &self.masks,
-        }
+        Geometry::of(self, frame)
     }
 }
 
@@ -189,20 +203,23 @@ fn frame_times(params: &ShotParams<'_>, last_key_s: Option<f64>, fps: f64) -> Re
     Ok(numbers.into_iter().map(|frame| FrameTime { frame, time_s: frames::time_s(frame as f64, fps) }).collect())
 }
 
-/// Places all still parts, and notes what was dropped.
-fn bake_still(model: &mut Model, split: &Split, origin: DVec3, time_s: f64) -> Result<Placed, SceneError> {
-    let count = |parts: &[Part]| parts.iter().map(|part| model.meshes[part.mesh].triangles.len() as u64).sum::<u64>();
-    let (count, all) = (count(&split.still), count(&split.still) + count(&split.moving));
-    // Triangles are numbered in u32 from here on.
+/// Triangles are numbered in u32 from here on.
+fn check_count(model: &Model, split: &Split) -> Result<(), SceneError> {
     let limit = u64::from(u32::MAX);
-    let mut still = Placed::default();
-    if all > limit || still.triangles.try_reserve_exact(count as usize).is_err() {
-        return Err(SceneError::TooManyTriangles { triangles: all, limit });
-    }
-    let mut dropped = 0;
-    for part in &split.still {
-        dropped += place_part(Rig::of(model), part, &split.first, origin, time_s, &mut still)?;
-    }
+    let parts = split.still.iter().chain(&split.moving);
+    let triangles = parts.map(|part| model.meshes[part.mesh].triangles.len() as u64).sum::<u64>();
+    if triangles > limit { Err(SceneError::TooManyTriangles { triangles, limit }) } else { Ok(()) }
+}
+
+/// Places all still parts, and notes what was dropped.
+fn bake_still(
+    model: &mut Model,
+    shared: &Shared,
+    split: &Split,
+    origin: DVec3,
+    time_s: f64,
+) -> Result<Placed, SceneError> {
+    let (still, dropped) = placed(Rig::of(model), shared, &split.still, &split.first, origin, time_s)?;
     if dropped > 0 {
         model.notes.push(format!("{dropped} triangles dropped that have no area once placed and rounded to f32"));
     }
@@ -214,24 +231,46 @@ fn bake_still(model: &mut Model, split: &Split, origin: DVec3, time_s: f64) -> R
 
 fn posed_triangles(
     rig: Rig<'_>,
+    shared: &Shared,
     parts: &[Part],
     pose: &Pose,
     origin: DVec3,
     time_s: f64,
 ) -> Result<Placed, SceneError> {
+    placed(rig, shared, parts, pose, origin, time_s).map(|(placed, _)| placed)
+}
+
+/// The triangles and instances of parts, and how many triangles have no area.
+fn placed(
+    rig: Rig<'_>,
+    shared: &Shared,
+    parts: &[Part],
+    pose: &Pose,
+    origin: DVec3,
+    time_s: f64,
+) -> Result<(Placed, usize), SceneError> {
     let count = parts.iter().map(|part| rig.mesh(part).triangles.len() as u64).sum::<u64>();
     let mut placed = Placed::default();
     if placed.triangles.try_reserve_exact(count as usize).is_err() {
         return Err(SceneError::TooManyTriangles { triangles: count, limit: u64::from(u32::MAX) });
     }
+    let mut dropped = 0;
     for part in parts {
-        place_part(rig, part, pose, origin, time_s, &mut placed)?;
+        dropped += place_part(rig, shared, part, pose, origin, time_s, &mut placed)?;
     }
-    Ok(placed)
+    placed.number();
+    Ok((placed, dropped))
 }
 
-fn surroundings(still: &[Triangle], moving: &[Triangle], bounds: &Bounds, origin: DVec3) -> Surroundings {
-    let vertices = || still.iter().chain(moving).flatten().map(|v| v.as_dvec3() + origin);
+fn surroundings(placed: &[&Placed], shared: &Shared, bounds: &Bounds, origin: DVec3) -> Surroundings {
+    let vertices = || {
+        let listed = placed.iter().flat_map(|placed| placed.triangles.iter().flatten().copied());
+        let instanced = placed
+            .iter()
+            .flat_map(|placed| &placed.instances)
+            .flat_map(|instance| shared.meshes[instance.mesh as usize].vertices.iter().map(|v| instance.place(*v)));
+        listed.chain(instanced).map(|v| v.as_dvec3() + origin)
+    };
     let (centre, radius) = match vertices().next() {
         Some(_) => Bounds::sphere(vertices),
         None => Bounds::sphere(|| bounds.ends().into_iter()),
@@ -247,8 +286,17 @@ fn film(image: &ImageParams, aspect: Option<f64>) -> Result<Film, SceneError> {
             let problem = format!("width and height must lie between 1 and {MAX_SIDE} pixels");
             return Err(SceneError::bad_value("image.size", [width, height], problem));
         }
+        if u64::from(width) * u64::from(height) > FILM_PIXELS_MAX {
+            let problem = format!("must be at most {FILM_PIXELS_MAX} pixels; render in tiles");
+            return Err(SceneError::bad_value("image.size", [width, height], problem));
+        }
         return Ok(Film { width, height });
     }
-    let height = (f64::from(DEFAULT_WIDTH) / aspect.unwrap_or(DEFAULT_ASPECT)).round();
-    Ok(Film { width: DEFAULT_WIDTH, height: height.clamp(1.0, f64::from(MAX_SIDE)) as u32 })
+    let aspect = aspect.unwrap_or(DEFAULT_ASPECT);
+    if aspect < NARROWEST {
+        let problem = format!("missing, and the camera's aspect ratio {aspect} makes no image; give width and height");
+        return Err(SceneError::bad_key("image.size", problem));
+    }
+    let height = (f64::from(DEFAULT_WIDTH) / aspect).round().max(1.0);
+    Ok(Film { width: DEFAULT_WIDTH, height: height as u32 })
 }

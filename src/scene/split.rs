@@ -56,7 +56,7 @@ pub(super) fn split(model: &Model, frames: &[FrameTime]) -> Result<Split, SceneE
     }
     still.retain(|part| !first.hidden[part.node]);
     for part in &still {
-        bounds.extend(rig.state(part, &first, first_s).vertices(rig.mesh(part)));
+        bounds.extend(rig.state(part, &first, first_s).bounds(rig.mesh(part)).ends());
     }
     Ok(Split { still, moving, animated, first, bounds })
 }

@@ -7,10 +7,13 @@
 
 use crate::math::{LightSpace, convex_hull};
 use crate::methods::Region;
-use crate::scene::{Light, Triangle};
+use crate::scene::{Geometry, Light, Room};
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
+
+/// Moving triangles placed at a time.
+const RUN: usize = 4096;
 
 /// What moves in a map, in one frame: a SHA-256 of the triangles; all zero for none.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
@@ -22,15 +25,18 @@ impl Content {
         *self == Content::default()
     }
 
-    /// Of triangles that may reach a map; `reaches` errs towards true.
-    pub fn of(moving: &[Triangle], reaches: impl Fn(&[DVec3; 3]) -> bool) -> Content {
+    /// Of moving triangles that may reach a map; `reaches` errs towards true.
+    pub fn of(geometry: Geometry<'_>, reaches: impl Fn(&[DVec3; 3]) -> bool) -> Content {
         let mut hasher = Sha256::new();
         let mut any = false;
-        for triangle in moving {
-            if reaches(&triangle.map(|v| v.as_dvec3())) {
-                any = true;
-                for bits in triangle.iter().flat_map(|v| v.to_array()).map(f32::to_bits) {
-                    hasher.update(bits.to_le_bytes());
+        let mut room = Room::default();
+        for run in geometry.moving_runs(RUN) {
+            for triangle in run.triangles(&mut room) {
+                if reaches(&triangle.map(|v| v.as_dvec3())) {
+                    any = true;
+                    for bits in triangle.iter().flat_map(|v| v.to_array()).map(f32::to_bits) {
+                        hasher.update(bits.to_le_bytes());
+                    }
                 }
             }
         }
@@ -38,8 +44,8 @@ impl Content {
     }
 
     /// Of the maps of some regions.
-    pub fn in_maps(moving: &[Triangle], regions: &[Region]) -> Content {
-        Content::of(moving, |corners| {
+    pub fn in_maps(geometry: Geometry<'_>, regions: &[Region]) -> Content {
+        Content::of(geometry, |corners| {
             regions.iter().any(|region| {
                 let clip = corners.map(|p| region.h * region.space.q(p));
                 // All corners beyond one side of the square, or behind the light.
@@ -52,16 +58,16 @@ impl Content {
 }
 
 /// Before there is a map: the moving triangles whose projections overlap the box of what has to be covered.
-pub fn content(moving: &[Triangle], light: &Light, cover: &[DVec3]) -> Content {
+pub fn content(geometry: Geometry<'_>, light: &Light, cover: &[DVec3]) -> Content {
     let Ok(space) = LightSpace::around(light, cover) else {
-        return Content::of(moving, |_| !cover.is_empty());
+        return Content::of(geometry, |_| !cover.is_empty());
     };
     let flat: Vec<DVec2> =
         cover.iter().map(|p| space.q(*p)).filter(|q| q.z > 0.0).map(|q| q.truncate() / q.z).collect();
     let hull = convex_hull(&flat);
     let low = hull.iter().fold(DVec2::INFINITY, |m, p| m.min(*p));
     let high = hull.iter().fold(DVec2::NEG_INFINITY, |m, p| m.max(*p));
-    Content::of(moving, |corners| {
+    Content::of(geometry, |corners| {
         let q = corners.map(|p| space.q(p));
         if q.iter().all(|q| q.z <= 0.0) {
             return false;
@@ -87,12 +93,12 @@ mod tests {
         let cover: Vec<DVec3> =
             [(0.0, 0.0), (4.0, 0.0), (4.0, 4.0), (0.0, 4.0)].map(|(x, z)| DVec3::new(x, 0.0, z)).into();
         let at = |x: f32| [[Vec3::new(x, 2.0, 1.0), Vec3::new(x + 1.0, 2.0, 1.0), Vec3::new(x, 2.0, 2.0)]];
-        assert!(content(&[], &sun, &cover).is_still());
-        assert!(content(&at(9.0), &sun, &cover).is_still(), "beside the map");
-        let inside = content(&at(1.0), &sun, &cover);
+        assert!(content(Geometry::plain(&[], &[]), &sun, &cover).is_still());
+        assert!(content(Geometry::plain(&[], &at(9.0)), &sun, &cover).is_still(), "beside the map");
+        let inside = content(Geometry::plain(&[], &at(1.0)), &sun, &cover);
         assert!(!inside.is_still());
-        assert_eq!(inside, content(&at(1.0), &sun, &cover));
-        assert_ne!(inside, content(&at(1.000_001), &sun, &cover));
-        assert!(!content(&at(-0.5), &sun, &cover).is_still(), "across its border");
+        assert_eq!(inside, content(Geometry::plain(&[], &at(1.0)), &sun, &cover));
+        assert_ne!(inside, content(Geometry::plain(&[], &at(1.000_001)), &sun, &cover));
+        assert!(!content(Geometry::plain(&[], &at(-0.5)), &sun, &cover).is_still(), "across its border");
     }
 }

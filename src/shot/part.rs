@@ -7,7 +7,7 @@ use super::content::{Content, content};
 use crate::math::{Domain, LightSpace, convex_hull};
 use crate::measure::{Outside, Receivers};
 use crate::samples::{EdgePoint, LightSamples};
-use crate::scene::{Camera, Light, Triangle};
+use crate::scene::{Camera, Geometry, Light};
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
@@ -46,7 +46,7 @@ pub fn light_part(
     samples: &LightSamples,
     film: Option<&Receivers>,
     outside: Outside,
-    moving: &[Triangle],
+    geometry: Geometry<'_>,
 ) -> LightPart {
     let wanted_shadowed = outside == Outside::Lit;
     let (facing, shadowed) = match film {
@@ -60,7 +60,7 @@ pub fn light_part(
         light: light.clone(),
         camera: camera.clone(),
         edges: thinned(&samples.edges, EDGES_KEPT),
-        content: content(moving, light, &cover),
+        content: content(geometry, light, &cover),
         cover,
         reach: Vec::new(),
         facing,

@@ -1,4 +1,5 @@
-//! Triangles sorted for rays.
+//! Triangles sorted for rays: a tree over those that are listed, and a tree over instances ([`super::top`]) of meshes with
+//! trees of their own ([`super::shared`]).
 //!
 //! The topology comes from `obvhs` (PLOC, Meister and Bittner 2018, then parallel reinsertion, Meister and Bittner
 //! 2018) as a binary tree over boxes; [`super::wide`] collapses it to eight children a node.
@@ -15,8 +16,12 @@ use obvhs::{
 
 use rayon::prelude::*;
 
-use super::wide::{WIDTH, Wide};
-use crate::scene::Triangle;
+use super::collapse::{Collapsed, collapse as eight_wide};
+use super::pieces::{self, PIECE};
+use super::shared::SharedTree;
+use super::top::Top;
+use super::wide::{DEPTH_MAX, LEAF, WIDTH, Wide};
+use crate::scene::{Instance, Scene, SceneFrame, SharedMesh, Triangle};
 
 /// Share of the nodes that one round of reinsertion tries to place better; 16 rounds of falling share follow.
 const REINSERTION_SHARE: f32 = 0.05;
@@ -28,32 +33,55 @@ const PLOC_WIDE_FROM_ROUND: usize = 3;
 /// eight triangles at once for about the price of a node.
 const ALWAYS_LEAF: f32 = 1e6;
 
-/// A bounding volume hierarchy over triangles, which it copies into its own order.
+/// A bounding volume hierarchy over triangles, which it copies into its own order, and instances.
 #[derive(Debug)]
 pub struct Bvh {
     pub(super) wide: Wide,
     /// Stored coordinate = scale × scene coordinate; a power of two.
     scale: f64,
-    bounds: Option<[DVec3; 2]>,
+    /// Of the listed triangles.
+    listed: Option<[DVec3; 2]>,
+    /// Over instances.
+    pub(super) top: Top,
+    /// Of the meshes of all instances of the shot, in the still tree only.
+    pub(super) meshes: Vec<SharedTree>,
 }
 
 impl Bvh {
     /// Builds over triangles in scene space, metres. Triangles with a non-finite vertex or without area are left out;
     /// the indices of the others stay what they are.
     pub fn build(triangles: &[Triangle]) -> Bvh {
+        Bvh::with_instances(triangles, &[], &[])
+    }
+
+    /// Over what never moves in a scene. Also holds the trees of meshes that move rigidly.
+    pub fn still(scene: &Scene) -> Bvh {
+        let meshes: Vec<SharedTree> = scene.shared_meshes().iter().map(SharedTree::build).collect();
+        let mut bvh = Bvh::with_instances(&scene.still, &scene.still_instances, scene.shared_meshes());
+        bvh.meshes = meshes;
+        bvh
+    }
+
+    /// Over what moves, posed for a frame; `None` when there is nothing. Instances are not sorted again inside.
+    pub fn moving(scene: &Scene, frame: &SceneFrame) -> Option<Bvh> {
+        let any = !frame.moving.is_empty() || !frame.moving_instances.is_empty();
+        any.then(|| Bvh::with_instances(&frame.moving, &frame.moving_instances, scene.shared_meshes()))
+    }
+
+    fn with_instances(triangles: &[Triangle], instances: &[Instance], meshes: &[SharedMesh]) -> Bvh {
         let kept: Vec<u32> = (0u32..).zip(triangles).filter(|(_, t)| has_area(t)).map(|(i, _)| i).collect();
         let vertices = kept.iter().flat_map(|&i| triangles[i as usize]);
         let bounds = vertices.fold(None, |bounds: Option<[Vec3; 2]>, v| match bounds {
             None => Some([v, v]),
             Some([low, high]) => Some([low.min(v), high.max(v)]),
         });
+        let top = Top::build(instances, meshes);
         let Some([low, high]) = bounds else {
-            return Bvh { wide: Wide::default(), scale: 1.0, bounds: None };
+            return Bvh { wide: Wide::default(), scale: 1.0, listed: None, top, meshes: Vec::new() };
         };
         let scale = unit_scale(low.abs().max_element().max(high.abs().max_element()));
-        let binary = binary_tree(triangles, &kept, scale as f32);
-        let wide = Wide::collapse(&binary, &kept, triangles, scale as f32);
-        Bvh { wide, scale, bounds: Some([low.as_dvec3(), high.as_dvec3()]) }
+        let wide = wide_tree(triangles, kept, scale as f32);
+        Bvh { wide, scale, listed: Some([low.as_dvec3(), high.as_dvec3()]), top, meshes: Vec::new() }
     }
 
     /// What stored coordinates are multiplied by.
@@ -61,15 +89,23 @@ impl Bvh {
         self.scale
     }
 
+    /// Lower and upper corner of the listed triangles kept.
+    pub(super) fn listed_bounds(&self) -> Option<[DVec3; 2]> {
+        self.listed
+    }
+
     /// Lower and upper corner of the triangles kept, scene space, metres; `None` when there is none.
     pub fn bounds(&self) -> Option<[DVec3; 2]> {
-        self.bounds
+        match (self.listed, self.top.bounds) {
+            (Some([a, b]), Some([c, d])) => Some([a.min(c), b.max(d)]),
+            (one, other) => one.or(other),
+        }
     }
 }
 
 /// True for three finite vertices that span a plane. Products of two f32 differences are exact enough in f64 that only
 /// truly collinear vertices (and those closer to it than 2⁻⁵² of their size) give zero.
-fn has_area(triangle: &Triangle) -> bool {
+pub(super) fn has_area(triangle: &Triangle) -> bool {
     let [a, b, c] = triangle.map(|v| v.as_dvec3());
     let cross = (b - a).cross(c - a);
     cross.is_finite() && cross != DVec3::ZERO
@@ -77,7 +113,7 @@ fn has_area(triangle: &Triangle) -> bool {
 
 /// The power of two that takes a magnitude into [1/2, 1); for magnitudes below the normal numbers of f32 the largest one
 /// that f32 holds.
-fn unit_scale(magnitude: f32) -> f64 {
+pub(super) fn unit_scale(magnitude: f32) -> f64 {
     let exponent = f64::from(magnitude).log2().floor() + 1.0;
     (-exponent).exp2().min(SCALE_MAX)
 }
@@ -85,22 +121,60 @@ fn unit_scale(magnitude: f32) -> f64 {
 /// 2¹²⁶.
 const SCALE_MAX: f64 = (1u128 << 126) as f64;
 
-/// PLOC, subtrees of up to [`WIDTH`] triangles made leaves, and reinsertion; in stored coordinates. Leaves count through
-/// `kept`.
-fn binary_tree(triangles: &[Triangle], kept: &[u32], scale: f32) -> Bvh2 {
-    let stored = |v: Vec3| Vec3A::from(v * scale);
-    let boxes: Vec<Aabb> = kept.par_iter().map(|&i| Aabb::from_points(&triangles[i as usize].map(stored))).collect();
-    let indices = (0..boxes.len() as u32).collect();
-    let mut tree = PlocBuilder::with_capacity(boxes.len()).build(
-        PlocSearchDistance::Medium,
-        &boxes,
-        indices,
-        SortPrecision::U64,
-        PLOC_WIDE_FROM_ROUND,
-    );
+/// The tree over kept triangles; that of many is built piece by piece, so that what building takes is bounded.
+fn wide_tree(triangles: &[Triangle], mut kept: Vec<u32>, scale: f32) -> Wide {
+    let bounds_of = |i: u32| Aabb::from_points(&triangles[i as usize].map(|v| Vec3A::from(v * scale)));
+    let mut wide = Wide::default();
+    let pieces = pieces::split(&mut kept, triangles);
+    if let [_] = pieces[..] {
+        let boxes: Vec<Aabb> = kept.par_iter().map(|&i| bounds_of(i)).collect();
+        wide.append(&tree_of_triangles(&boxes, DEPTH_MAX), &kept, triangles, scale);
+        return wide;
+    }
+    let around = |piece: &[u32]| piece.par_iter().map(|&i| bounds_of(i)).reduce(Aabb::empty, |a, b| a.union(&b));
+    let top = tree_of_boxes(&pieces.iter().map(|piece| around(&kept[piece.clone()])).collect::<Vec<_>>());
+    wide.nodes.extend(top.nodes.iter().cloned());
+    let mut roots = vec![0; pieces.len()];
+    for (piece, root) in pieces.iter().zip(&mut roots) {
+        let kept = &kept[piece.clone()];
+        let boxes: Vec<Aabb> = kept.par_iter().map(|&i| bounds_of(i)).collect();
+        *root = wide.append(&tree_of_triangles(&boxes, DEPTH_MAX - TOP_DEPTH), kept, triangles, scale);
+    }
+    for child in wide.nodes[..top.nodes.len()].iter_mut().flat_map(|node| &mut node.children) {
+        if *child != u32::MAX && *child & LEAF != 0 {
+            *child = roots[top.order[top.runs[(*child & !LEAF) as usize].start] as usize];
+        }
+    }
+    wide
+}
+
+/// Levels kept for the tree over pieces, of which there are at most 2³² / [`PIECE`].
+const TOP_DEPTH: usize = 16;
+const _: () = assert!(PIECE >= 1 << 16, "a tree over pieces has at most eleven levels and five more");
+
+/// PLOC, subtrees of up to [`WIDTH`] triangles made leaves, and reinsertion; in stored coordinates.
+pub(super) fn tree_of_triangles(boxes: &[Aabb], depth_max: usize) -> Collapsed {
+    let mut tree = ploc(boxes);
     collapse(&mut tree, WIDTH as u32, ALWAYS_LEAF);
     ReinsertionOptimizer::default().run(&mut tree, REINSERTION_SHARE, None);
-    tree
+    eight_wide(&tree, boxes, WIDTH, depth_max)
+}
+
+/// The same with every box a leaf of its own, for few boxes.
+pub(super) fn tree_of_boxes(boxes: &[Aabb]) -> Collapsed {
+    let mut tree = ploc(boxes);
+    ReinsertionOptimizer::default().run(&mut tree, REINSERTION_SHARE, None);
+    eight_wide(&tree, boxes, 1, TOP_DEPTH)
+}
+
+fn ploc(boxes: &[Aabb]) -> Bvh2 {
+    PlocBuilder::with_capacity(boxes.len()).build(
+        PlocSearchDistance::Medium,
+        boxes,
+        (0..boxes.len() as u32).collect(),
+        SortPrecision::U64,
+        PLOC_WIDE_FROM_ROUND,
+    )
 }
 
 #[cfg(test)]

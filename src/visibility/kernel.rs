@@ -10,7 +10,7 @@
 //! shear 8, weighted depth 12, slab 9. The boxes are grown by twice the sum (`wide::BOX_MARGIN`), so a triangle that is
 //! called hit lies behind boxes that are called hit, and the slab test needs no factor of its own.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 use super::lanes::Lanes;
 use super::ray::Ray;
@@ -102,6 +102,43 @@ impl<L: Lanes> Spread<L> {
             t = L::load(&exact);
         }
         (inside & self.t_min.at_most(t) & t.at_most(L::splat(t_max)), t)
+    }
+}
+
+/// Boxes grown by a margin of each axis's own, for rays in the space of a mesh.
+pub(super) struct GrownBoxes<L> {
+    /// What near and far planes are measured from: the origin moved against the planes' growth.
+    near: [L; 3],
+    far: [L; 3],
+    inverse: [L; 3],
+    t_min: L,
+}
+
+impl<L: Lanes> GrownBoxes<L> {
+    #[inline(always)]
+    pub(super) fn new(ray: &Ray, margin: Vec3) -> Self {
+        let [ox, oy, oz] = ray.origin;
+        let [ix, iy, iz] = ray.inverse;
+        let (mx, my, mz) = (margin.x.copysign(ix), margin.y.copysign(iy), margin.z.copysign(iz));
+        GrownBoxes {
+            near: [L::splat(ox + mx), L::splat(oy + my), L::splat(oz + mz)],
+            far: [L::splat(ox - mx), L::splat(oy - my), L::splat(oz - mz)],
+            inverse: [L::splat(ix), L::splat(iy), L::splat(iz)],
+            t_min: L::splat(ray.t_min),
+        }
+    }
+
+    /// As [`Spread::boxes`].
+    #[inline(always)]
+    pub(super) fn boxes(&self, ray: &Ray, node: &Node, t_max: f32) -> (u32, L) {
+        let (mut enter, mut leave) = (self.t_min, L::splat(t_max));
+        for axis in 0..3 {
+            let row = ray.near_row[axis];
+            let near = L::load(&node.planes[row]).minus(self.near[axis]).times(self.inverse[axis]);
+            let far = L::load(&node.planes[row ^ 1]).minus(self.far[axis]).times(self.inverse[axis]);
+            (enter, leave) = (near.max(enter), far.min(leave));
+        }
+        (enter.at_most(leave), enter)
     }
 }
 

@@ -5,14 +5,19 @@
 //! [`classify`] do both for every pixel of a film. Nothing here knows of shadow maps.
 
 mod bvh;
+mod collapse;
 mod kernel;
 mod lanes;
 mod parts;
+mod pieces;
 mod ray;
 mod shadow;
+mod shared;
 mod simd;
 mod solid;
 mod surface;
+mod through;
+mod top;
 mod trace;
 mod view;
 mod walk;

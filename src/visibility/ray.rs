@@ -1,9 +1,7 @@
 //! Rays in the coordinates of a tree: f64 in, f32 for the kernel, and f64 again where the triangle found is met.
 
-use glam::{DVec3, Vec4};
+use glam::{DVec3, Vec3, Vec4};
 
-use super::bvh::Bvh;
-use super::walk::Nearest;
 use super::wide::BOX_MARGIN;
 
 /// The smallest slope of a ray against the planes of boxes, so that its inverse is finite. A ray would have to be 2⁶⁰
@@ -36,8 +34,9 @@ pub(super) struct Ray {
 }
 
 impl Ray {
+    /// The direction has ±1 on the last of its axes.
     #[inline(always)]
-    fn new(origin: DVec3, direction: DVec3, axes: [usize; 3], [t_min, t_max]: [f64; 2]) -> Ray {
+    pub(super) fn new(origin: DVec3, direction: DVec3, axes: [usize; 3], [t_min, t_max]: [f64; 2]) -> Ray {
         let slope = direction.as_vec3().extend(1.0);
         let smallest = Vec4::splat(SLOPE_MIN).copysign(slope);
         let inverse = Vec4::select(slope.abs().cmplt(Vec4::splat(SLOPE_MIN)), smallest, slope).recip();
@@ -78,38 +77,47 @@ pub(super) struct LocalRay {
 
 impl LocalRay {
     /// An origin far outside the tree is moved up to its bounds in f64, so that f32 holds it to the bounds' own precision
-    /// however far away it starts. `None` when such a ray passes the bounds by, or when a ray is not finite.
+    /// however far away it starts. Bounds are in scene space; stored coordinates are `stored_scale` times those. `None` when such a ray passes the bounds by, or when a ray is not finite.
     #[inline(always)]
-    pub(super) fn new(bvh: &Bvh, scene: &SceneRay) -> Option<LocalRay> {
+    pub(super) fn new([low, high]: [DVec3; 2], stored_scale: f64, scene: &SceneRay) -> Option<LocalRay> {
         let &SceneRay { origin, direction, t_min, t_max } = scene;
-        let [low, high] = bvh.bounds()?;
         let axes = axes(direction);
         let length = direction[axes[2]].abs();
         if !(origin.is_finite() && direction.is_finite() && length >= LENGTH_MIN && t_min <= t_max) {
             return None;
         }
-        let near_enough = (origin.abs() * bvh.scale()).max_element() <= ORIGIN_MAX;
-        let start = if near_enough { 0.0 } else { entry([low, high], bvh.scale(), scene)? };
+        let near_enough = (origin.abs() * stored_scale).max_element() <= ORIGIN_MAX;
+        let start = if near_enough { 0.0 } else { entry([low, high], stored_scale, scene)? };
         let mut unit = direction * length.recip();
         unit[axes[2]] = 1f64.copysign(direction[axes[2]]);
-        let local_origin = (origin + direction * start) * bvh.scale();
-        let scale = length * bvh.scale();
+        let local_origin = (origin + direction * start) * stored_scale;
+        let scale = length * stored_scale;
         let range = [(t_min - start) * scale, (t_max - start) * scale];
         let ray = Ray::new(local_origin, unit, axes, range);
         Some(LocalRay { ray, origin: local_origin, direction: unit, start, step: 1.0 / scale })
     }
 
-    /// The caller's parameter where the ray meets the plane of the triangle found, in f64; kept within what the triangle
+    /// The origin in stored coordinates, before rounding.
+    pub(super) fn origin(&self) -> DVec3 {
+        self.origin
+    }
+
+    /// The direction, ±1 along its dominant axis, before rounding.
+    pub(super) fn direction(&self) -> DVec3 {
+        self.direction
+    }
+
+    /// The caller's parameter where the ray meets the plane of the triangle found, by its stored corners and `t`, in f64; kept within what the triangle
     /// spans along the ray's dominant axis, because seen edge-on its plane is met anywhere.
     #[inline(always)]
-    pub(super) fn meet(&self, bvh: &Bvh, found: &Nearest) -> f64 {
-        let [a, b, c] = bvh.wide.corners(found).map(|v| v.as_dvec3() - self.origin);
+    pub(super) fn meet(&self, corners: [Vec3; 3], t: f32) -> f64 {
+        let [a, b, c] = corners.map(|v| v.as_dvec3() - self.origin);
         let normal = (b - a).cross(c - a);
         let axis = self.ray.axes[2];
         let sign = self.direction[axis];
         let (low, high) = (a.min(b).min(c)[axis] * sign, a.max(b).max(c)[axis] * sign);
         let plane = normal.dot(a) / normal.dot(self.direction);
-        let local = if plane.is_finite() { plane.max(low.min(high)).min(low.max(high)) } else { f64::from(found.t) };
+        let local = if plane.is_finite() { plane.max(low.min(high)).min(low.max(high)) } else { f64::from(t) };
         self.start + local * self.step
     }
 }
@@ -130,7 +138,7 @@ fn entry([low, high]: [DVec3; 2], scale: f64, ray: &SceneRay) -> Option<f64> {
 
 /// The two lesser axes of a direction in cyclic order, and the dominant one.
 #[inline(always)]
-fn axes(direction: DVec3) -> [usize; 3] {
+pub(super) fn axes(direction: DVec3) -> [usize; 3] {
     let size = direction.abs();
     if size.x >= size.y && size.x >= size.z {
         [1, 2, 0]

@@ -3,9 +3,11 @@
 use super::bvh::Bvh;
 use super::lanes::{Lanes, Portable};
 use super::ray::{LocalRay, SceneRay};
+use super::shared::SharedTree;
 use super::solid::Solid;
+use super::top::Top;
 use super::trace::Hit;
-use super::walk;
+use super::{through, walk};
 
 /// Which lanes this machine has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,6 +38,20 @@ impl Simd {
         }
     }
 
+    /// The nearest solid triangle of instances along a ray, or any of them with `ANY`; indices count within the list.
+    pub(super) fn through<const ANY: bool>(
+        self,
+        instances: (&Top, &[SharedTree]),
+        ray: &SceneRay,
+        solid: &impl Solid,
+    ) -> Option<Hit> {
+        match self {
+            Simd::Portable => through::<Portable, ANY>(instances, ray, solid),
+            #[cfg(target_arch = "x86_64")]
+            Simd::Avx2 => avx2::through::<ANY>(instances, ray, solid),
+        }
+    }
+
     /// True when any solid triangle lies on the ray.
     pub(super) fn occluded(self, bvh: &Bvh, ray: &SceneRay, solid: &impl Solid) -> bool {
         match self {
@@ -48,17 +64,29 @@ impl Simd {
 
 #[inline(always)]
 fn closest<L: Lanes>(bvh: &Bvh, ray: &SceneRay, solid: &impl Solid) -> Option<Hit> {
-    let local = LocalRay::new(bvh, ray)?;
+    let local = LocalRay::new(bvh.listed_bounds()?, bvh.scale(), ray)?;
     let found = walk::nearest::<L>(&bvh.wide, &local.ray, solid)?;
-    Some(Hit { triangle: found.triangle, t: local.meet(bvh, &found) })
+    Some(Hit { triangle: found.triangle, t: local.meet(bvh.wide.corners(&found), found.t) })
 }
 
 #[inline(always)]
 fn occluded<L: Lanes>(bvh: &Bvh, ray: &SceneRay, solid: &impl Solid) -> bool {
-    match LocalRay::new(bvh, ray) {
+    let local = bvh.listed_bounds().and_then(|bounds| LocalRay::new(bounds, bvh.scale(), ray));
+    match local {
         Some(local) => walk::any::<L>(&bvh.wide, &local.ray, solid),
         None => false,
     }
+}
+
+#[inline(always)]
+fn through<L: Lanes, const ANY: bool>(
+    (top, meshes): (&Top, &[SharedTree]),
+    ray: &SceneRay,
+    solid: &impl Solid,
+) -> Option<Hit> {
+    let local = LocalRay::new(top.bounds?, top.scale, ray)?;
+    let found = through::first::<L, ANY>(top, meshes, &local, solid)?;
+    Some(Hit { triangle: found.triangle, t: local.meet(found.corners, found.t) })
 }
 
 /// Each from the ray in f64 to the answer, so that nothing on the way changes between instruction sets.
@@ -66,7 +94,7 @@ fn occluded<L: Lanes>(bvh: &Bvh, ray: &SceneRay, solid: &impl Solid) -> bool {
 mod avx2 {
     #![expect(unsafe_code, reason = "calls functions compiled for AVX2")]
 
-    use super::{Bvh, Hit, SceneRay, Solid};
+    use super::{Bvh, Hit, SceneRay, SharedTree, Solid, Top};
     use crate::visibility::lanes::Avx2;
 
     pub(super) fn closest(bvh: &Bvh, ray: &SceneRay, solid: &impl Solid) -> Option<Hit> {
@@ -76,6 +104,23 @@ mod avx2 {
         }
         // SAFETY: `Simd::Avx2` is made only where AVX2 was detected.
         unsafe { compiled(bvh, ray, solid) }
+    }
+
+    pub(super) fn through<const ANY: bool>(
+        instances: (&Top, &[SharedTree]),
+        ray: &SceneRay,
+        solid: &impl Solid,
+    ) -> Option<Hit> {
+        #[target_feature(enable = "avx2")]
+        fn compiled<const ANY: bool>(
+            instances: (&Top, &[SharedTree]),
+            ray: &SceneRay,
+            solid: &impl Solid,
+        ) -> Option<Hit> {
+            super::through::<Avx2, ANY>(instances, ray, solid)
+        }
+        // SAFETY: as above.
+        unsafe { compiled::<ANY>(instances, ray, solid) }
     }
 
     pub(super) fn occluded(bvh: &Bvh, ray: &SceneRay, solid: &impl Solid) -> bool {

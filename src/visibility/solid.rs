@@ -6,7 +6,7 @@
 use glam::DVec3;
 
 use super::ray::SceneRay;
-use crate::scene::{Marks, Mask, Triangle};
+use crate::scene::{Geometry, Marks, Mask, Triangle};
 
 /// Says whether a hit counts.
 pub(super) trait Solid {
@@ -44,6 +44,24 @@ impl Solid for WithHoles<'_> {
         let Some(cutout) = self.marks.cutout(triangle) else { return true };
         let Some(mask) = self.masks.get(cutout.mask as usize) else { return true };
         mask.is_solid(cutout, weights(self.ray, &self.triangles[triangle as usize]))
+    }
+}
+
+/// The same for triangles of instances, by their index within the list, still (0) or moving (1).
+pub(super) struct InstancesWithHoles<'a> {
+    pub(super) ray: &'a SceneRay,
+    pub(super) geometry: Geometry<'a>,
+    /// Index of the list's first triangle.
+    pub(super) begin: u32,
+}
+
+impl Solid for InstancesWithHoles<'_> {
+    const ALL: bool = false;
+
+    fn is_hit(&self, triangle: u32) -> bool {
+        let index = self.begin + triangle;
+        let Some((cutout, mask)) = self.geometry.cutout(index) else { return true };
+        mask.is_solid(&cutout, weights(self.ray, &self.geometry.triangle(index)))
     }
 }
 

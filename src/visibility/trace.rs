@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::bvh::Bvh;
 use super::ray::SceneRay;
 use super::simd::Simd;
-use super::solid::{Everything, WithHoles};
+use super::solid::{Everything, InstancesWithHoles, WithHoles};
 use crate::scene::Geometry;
 
 /// What a ray meets first.
@@ -27,8 +27,8 @@ pub struct Tracer<'a> {
 }
 
 impl<'a> Tracer<'a> {
-    /// `still` must have been built over `geometry.still`, once for the shot; `moving` over `geometry.moving`, for this
-    /// frame.
+    /// `still` must have been built over what is still in `geometry`, once for the shot; `moving` over what moves, for
+    /// this frame.
     pub fn new(geometry: Geometry<'a>, still: &'a Bvh, moving: Option<&'a Bvh>) -> Self {
         Tracer { geometry, still, moving, simd: Simd::detect() }
     }
@@ -58,13 +58,9 @@ impl<'a> Tracer<'a> {
         let ray = SceneRay { origin, direction, t_min, t_max };
         let still = self.closest_of(0, self.still, &ray);
         let Some(bvh) = self.moving else { return still };
-        let up_to_still = SceneRay { t_max: still.map_or(t_max, |hit| hit.t), ..ray };
-        let moving = self.closest_of(1, bvh, &up_to_still);
-        let moving = moving.map(|hit| Hit { triangle: hit.triangle + self.geometry.still.len() as u32, ..hit });
-        match (still, moving) {
-            (Some(a), Some(b)) => Some(if b.t < a.t { b } else { a }),
-            (one, other) => one.or(other),
-        }
+        let moving = self.closest_of(1, bvh, &up_to(still, &ray));
+        let moving = moving.map(|hit| Hit { triangle: hit.triangle + self.geometry.still_len() as u32, ..hit });
+        nearer(still, moving)
     }
 
     /// True when any triangle, of either orientation and there at the point, lies at `t_min ≤ t ≤ t_max`. False for a ray that is not finite.
@@ -76,21 +72,49 @@ impl<'a> Tracer<'a> {
     /// What the kernel asks of hits in the still (0) or moving (1) triangles, where some have holes.
     fn with_holes<'b>(&'b self, list: usize, ray: &'b SceneRay) -> Option<WithHoles<'b>> {
         let marks = self.geometry.marks[list];
-        let triangles = [self.geometry.still, self.geometry.moving][list];
+        let triangles = self.geometry.listed(list);
         (!marks.cut().is_empty()).then_some(WithHoles { ray, triangles, marks, masks: self.geometry.masks })
     }
 
     fn closest_of(&self, list: usize, bvh: &Bvh, ray: &SceneRay) -> Option<Hit> {
-        match self.with_holes(list, ray) {
+        let listed = match self.with_holes(list, ray) {
             None => self.simd.closest(bvh, ray, &Everything),
             Some(holes) => self.simd.closest(bvh, ray, &holes),
+        };
+        if bvh.top.instances.is_empty() {
+            return listed;
         }
+        nearer(listed, self.through::<false>(list, bvh, &up_to(listed, ray)))
     }
 
     fn occluded_by(&self, list: usize, bvh: &Bvh, ray: &SceneRay) -> bool {
-        match self.with_holes(list, ray) {
+        let listed = match self.with_holes(list, ray) {
             None => self.simd.occluded(bvh, ray, &Everything),
             Some(holes) => self.simd.occluded(bvh, ray, &holes),
+        };
+        listed || (!bvh.top.instances.is_empty() && self.through::<true>(list, bvh, ray).is_some())
+    }
+
+    /// The nearest, or with `ANY` any, triangle of a list's instances.
+    fn through<const ANY: bool>(&self, list: usize, bvh: &Bvh, ray: &SceneRay) -> Option<Hit> {
+        let instances = (&bvh.top, self.still.meshes.as_slice());
+        if self.geometry.meshes.iter().all(|mesh| mesh.marks.cut().is_empty()) {
+            return self.simd.through::<ANY>(instances, ray, &Everything);
         }
+        let begin = if list == 0 { 0 } else { self.geometry.still_len() as u32 };
+        self.simd.through::<ANY>(instances, ray, &InstancesWithHoles { ray, geometry: self.geometry, begin })
+    }
+}
+
+/// A ray that ends at a hit.
+fn up_to(hit: Option<Hit>, ray: &SceneRay) -> SceneRay {
+    SceneRay { t_max: hit.map_or(ray.t_max, |hit| hit.t), ..*ray }
+}
+
+/// The nearer of two hits; the first of two equally near.
+fn nearer(a: Option<Hit>, b: Option<Hit>) -> Option<Hit> {
+    match (a, b) {
+        (Some(a), Some(b)) => Some(if b.t < a.t { b } else { a }),
+        (one, other) => one.or(other),
     }
 }

@@ -26,19 +26,19 @@ pub(super) struct Nearest {
 }
 
 /// What is still to be visited. There is room for the deepest tree, so nothing is checked.
-struct Stack {
+pub(super) struct Stack {
     visits: [MaybeUninit<u64>; DEPTH_MAX * WIDTH],
     len: usize,
 }
 
 impl Stack {
     #[inline(always)]
-    fn new() -> Stack {
+    pub(super) fn new() -> Stack {
         Stack { visits: [const { MaybeUninit::uninit() }; DEPTH_MAX * WIDTH], len: 0 }
     }
 
     #[inline(always)]
-    fn push(&mut self, visit: u64) {
+    pub(super) fn push(&mut self, visit: u64) {
         debug_assert!(self.len < self.visits.len());
         // SAFETY: a walk leaves at most WIDTH - 1 visits a level, and `Wide` is no deeper than DEPTH_MAX.
         unsafe { self.visits.get_unchecked_mut(self.len).write(visit) };
@@ -55,9 +55,21 @@ impl Stack {
         Some(unsafe { self.visits.get_unchecked(self.len).assume_init() })
     }
 
+    /// The top visit: where the ray enters, and the child.
+    #[inline(always)]
+    pub(super) fn pop_parts(&mut self) -> Option<(f32, u32)> {
+        self.pop().map(|visit| (f32::from_bits((visit >> 32) as u32), visit as u32))
+    }
+
+    /// Visits on the stack.
+    #[inline(always)]
+    pub(super) fn len(&self) -> usize {
+        self.len
+    }
+
     /// Sorts the visits from `first` on, nearest last.
     #[inline(always)]
-    fn sort_from(&mut self, first: usize) {
+    pub(super) fn sort_from(&mut self, first: usize) {
         for end in first + 1..self.len {
             let mut at = end;
             // SAFETY: first < at < len, all written.
@@ -76,7 +88,7 @@ impl Stack {
 /// Where the ray enters and the child, so that whole visits compare by distance (of numbers that are not negative the
 /// bits are in order; negative ones are only visited in another order).
 #[inline(always)]
-fn visit(enter: f32, child: u32) -> u64 {
+pub(super) fn visit(enter: f32, child: u32) -> u64 {
     u64::from(enter.to_bits()) << 32 | u64::from(child)
 }
 

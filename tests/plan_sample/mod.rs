@@ -63,6 +63,8 @@ fn light(name: &str, kind: LightKindName, status: Status) -> LightPlan {
         solver: None,
         temporal: None,
         flicker: None,
+        reprojected: None,
+        budget: None,
         cost: Cost::default(),
     }
 }
@@ -83,9 +85,22 @@ pub(crate) fn error(misclassified: u64, met: bool) -> LightError {
         displacement: None,
         footprint: None,
     };
-    let tried = Tried { width: 512, height: 384, misclassified, uncertain: 40, displacement: None, footprint: None };
+    let tried = Tried {
+        width: 512,
+        height: 384,
+        texels: None,
+        misclassified,
+        uncertain: 40,
+        displacement: None,
+        footprint: None,
+    };
     LightError {
-        predicted: Predicted { misclassified: 1900.5, unsaturated: 2500.25, displacement: Some(0.5), footprint: None },
+        predicted: Some(Predicted {
+            misclassified: 1900.5,
+            unsaturated: 2500.25,
+            displacement: Some(0.5),
+            footprint: None,
+        }),
         measured: Some(measured),
         tried: vec![tried],
         met,

@@ -46,6 +46,7 @@ fn try_load(path: &Path) -> Result<Shot, String> {
             camera,
             lights,
             visibility: &VisibilityParams::default(),
+            allow_outside: false,
         };
         last = load(&params).map_err(|error| error.to_string());
         if last.is_ok() {

@@ -198,6 +198,7 @@ impl Job {
             camera: &self.camera,
             lights: &self.lights,
             visibility: &self.visibility,
+            allow_outside: false,
         })
     }
 

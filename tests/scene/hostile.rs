@@ -119,6 +119,32 @@ fn bad_numbers_in_buffers_are_named() {
 }
 
 #[test]
+fn a_hierarchy_100_000_deep_is_read() {
+    let mut gltf = Gltf::triangle();
+    let depth = 100_000;
+    let first = gltf.json["nodes"].as_array().unwrap().len();
+    let chain = (0..depth).map(|k| json!({ "translation": [1e-3, 0, 0], "children": [first + k + 1] }));
+    let nodes: Vec<Value> = chain.chain([json!({ "mesh": 0 })]).collect();
+    gltf.json["nodes"].as_array_mut().unwrap().extend(nodes);
+    gltf.json["scenes"][0]["nodes"] = json!([1, 2, first]);
+    let shot = gltf.load().unwrap();
+    let at = shot.scene.still[0][0].as_dvec3() + shot.scene.origin;
+    assert!((at.x - 100.0).abs() < 1e-4, "{at}");
+    // The same, closed to a circle at its end.
+    gltf.json["nodes"][first + depth]["children"] = json!([first]);
+    assert!(gltf.error().contains("is met twice"), "{}", gltf.error());
+}
+
+#[test]
+fn infinite_vertices_are_named() {
+    for bad in [f32::INFINITY, f32::NEG_INFINITY, f32::NAN] {
+        let mut gltf = Gltf::triangle();
+        gltf.bin[16..20].copy_from_slice(&bad.to_le_bytes());
+        assert!(gltf.error().contains("mesh 0, primitive 0, accessor 0: vertex 1 is not finite"), "{}", gltf.error());
+    }
+}
+
+#[test]
 fn accessors_without_bytes_cannot_ask_for_memory() {
     let mut gltf = Gltf::triangle();
     gltf.json["accessors"][0] = json!({ "componentType": 5126, "count": 4_294_967_296_u64, "type": "VEC3" });

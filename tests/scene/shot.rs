@@ -111,6 +111,7 @@ fn lights_come_from_the_file_the_job_or_both() {
         direction: Some([0.0, -9.0, 0.0]),
         cone: Some(30.0),
         range: Some(7.0),
+        importance: None,
     };
     let named = |name: &str| LightParams { name: name.into(), ..LightParams::default() };
     job.lights = vec![spot.clone(), named("sky")];

@@ -34,6 +34,7 @@ fn files_are_converted_and_placed_once() {
         camera: &CameraParams::default(),
         lights: &[],
         visibility: &VisibilityParams::default(),
+        allow_outside: false,
     })
     .unwrap();
     assert_eq!(shot.scene.still[0], [Vec3::new(0.0, 8.0, 0.0), Vec3::new(1.0, 8.0, 0.0), Vec3::new(0.0, 8.0, -1.0)]);

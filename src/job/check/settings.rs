@@ -1,9 +1,11 @@
-//! `[quality]`, `[map]`, `[sampling]`, `[solver]`, `[shot]`.
+//! `[quality]`, `[map]`, `[sampling]`, `[solver]`, `[shot]`, `[lookup]`, `[budget]`.
 
 use super::{Problem, problem, require};
+use crate::budget::TEXEL_BYTES;
 use crate::fit::Shape;
-use crate::methods::SolverParams;
-use crate::resolution::{Bound, MapParams, QualityParams, SIZE_MAX};
+use crate::job::Job;
+use crate::methods::{Method, SolverParams};
+use crate::resolution::{Bound, MapParams, Measure, QualityParams, SIZE_MAX, TEXELS_MAX};
 use crate::samples::SamplingParams;
 use crate::shot::{Temporal, TemporalParams};
 
@@ -68,6 +70,24 @@ pub(super) fn map(map: &MapParams) -> Result<(), Problem> {
     Ok(())
 }
 
+/// That the smallest maps a light may get fit the memory set aside for them.
+pub(super) fn texels(map: &MapParams, solver: &SolverParams) -> Result<(), Problem> {
+    let maps = match solver.method {
+        Method::Adaptive | Method::Edges => solver.tiles,
+        Method::Partitioned => solver.maps,
+        Method::Cascades => solver.cascade_count,
+        _ => 2,
+    };
+    // A light among the geometry has as many for each face of a cube.
+    let maps = 6 * u64::from(maps);
+    let least = u64::from(map.min).pow(2) * maps;
+    if least <= TEXELS_MAX {
+        return Ok(());
+    }
+    let message = format!("{maps} maps of {} x {} texels are more than {TEXELS_MAX}", map.min, map.min);
+    Err(problem("map.min", message, "lower it, or allow fewer maps"))
+}
+
 pub(super) fn sampling(sampling: &SamplingParams) -> Result<(), Problem> {
     let grid = sampling.grid;
     require((8..=SIZE_MAX).contains(&grid), "sampling.grid", grid, &format!("8 to {SIZE_MAX}"))?;
@@ -77,6 +97,8 @@ pub(super) fn sampling(sampling: &SamplingParams) -> Result<(), Problem> {
 
 pub(super) fn solver(solver: &SolverParams) -> Result<(), Problem> {
     require(solver.rounds <= 100, "solver.rounds", solver.rounds, "0 to 100")?;
+    let measured = solver.measured_rounds;
+    require(measured <= 1000, "solver.measured_rounds", measured, "0 to 1000")?;
     let tolerance = solver.tolerance;
     require(tolerance > 0.0 && tolerance <= 1.0, "solver.tolerance", tolerance, "above 0 and at most 1")?;
     require((1..=64).contains(&solver.maps), "solver.maps", solver.maps, "1 to 64")?;
@@ -125,6 +147,60 @@ pub(super) fn shot(shot: &TemporalParams, map: &MapParams) -> Result<(), Problem
     if shot.one_size && !matches!(shot.temporal, Temporal::Shot | Temporal::Snapped) {
         let message = "one size over the shot is a matter of the modes \"shot\" and \"snapped\"";
         return Err(problem("shot.one_size", message, "remove it, or change shot.temporal"));
+    }
+    Ok(())
+}
+
+pub(super) fn lookup(job: &Job) -> Result<(), Problem> {
+    let power = job.lookup.confidence_power;
+    require((0.1..=100.0).contains(&power), "lookup.confidence_power", power, "0.1 to 100")?;
+    if !job.lookup.is_temporal() {
+        return Ok(());
+    }
+    if job.quality.measure == Measure::Never {
+        let message = "reprojection is a model of what is measured, and nothing is measured";
+        return Err(problem(
+            "lookup.temporal",
+            message,
+            "set quality.measure = \"always\", or lookup.temporal = \"none\"",
+        ));
+    }
+    if job.quality.bound != Bound::Misclassified {
+        let message = "reprojection is a model of wrong pixels, and quality.bound counts something else";
+        let help = "set quality.bound = \"misclassified\", or lookup.temporal = \"none\"";
+        return Err(problem("lookup.temporal", message, help));
+    }
+    Ok(())
+}
+
+pub(super) fn budget(job: &Job) -> Result<(), Problem> {
+    let budget = &job.budget;
+    let limits = [
+        ("budget.texels_per_frame", budget.texels_per_frame, 1),
+        ("budget.texels_total", budget.texels_total, 1),
+        ("budget.bytes", budget.bytes, TEXEL_BYTES),
+    ];
+    for (key, limit, least) in limits {
+        let Some(limit) = limit else { continue };
+        require(limit >= least, key, limit, &format!("at least {least}"))?;
+    }
+    let Some((key, ..)) = limits.iter().find(|(_, limit, _)| limit.is_some()) else { return Ok(()) };
+    if job.quality.bound != Bound::Misclassified {
+        let message = "a budget makes wrong pixels fewest, and quality.bound counts something else";
+        return Err(problem(*key, message, "set quality.bound = \"misclassified\", or remove the budget"));
+    }
+    if job.quality.measure == Measure::Never {
+        let message = "texels are shared out by measured errors, and nothing is measured";
+        let help = "set quality.measure = \"always\" (the preset draft does not), or remove the budget";
+        return Err(problem(*key, message, help));
+    }
+    if job.shot.temporal == Temporal::Snapped {
+        let message = "snapped maps move by whole texels: their matrices hang on their sizes";
+        return Err(problem(*key, message, "set shot.temporal = \"shot\", or remove the budget"));
+    }
+    if job.shot.one_size {
+        let message = "a budget gives every segment a size of its own, and shot.one_size wants one";
+        return Err(problem(*key, message, "set shot.hold = \"shot\" instead of one_size, or remove the budget"));
     }
     Ok(())
 }

@@ -93,7 +93,7 @@ pub(super) fn certify_frame(
         }
         Ok((maps, stage.offset))
     })?;
-    let before = Before { number: stages.time(place).frame, posed, offset, maps: Vec::new() };
+    let before = Before { number: stages.time(place).frame, posed, offset, maps: Vec::new(), left: None };
     *carried = Some(Carried { place, before, maps });
     Ok(state)
 }
@@ -103,7 +103,8 @@ fn posed_before(stages: &Stages, place: usize) -> Result<Carried, PlanError> {
     let time = stages.time(place);
     let posed = Posed::new(stages.shot, time.time_s)?;
     let offset = RayOffset::for_scene(&posed.tracer(stages.shot, &stages.still));
-    Ok(Carried { place, before: Before { number: time.frame, posed, offset, maps: Vec::new() }, maps: Vec::new() })
+    let before = Before { number: time.frame, posed, offset, maps: Vec::new(), left: None };
+    Ok(Carried { place, before, maps: Vec::new() })
 }
 
 /// A frame that is asked.
@@ -124,7 +125,7 @@ impl At<'_> {
         let (before, view) = (self.before?, self.stage.view?);
         let FrameStage { tracer, camera, offset, .. } = *self.stage;
         let seeing = Seeing { tracer, camera, view, offset };
-        Some(before.before.earlier((self.stages.shot, &self.stages.still), &seeing))
+        Some(before.before.earlier((self.stages.shot, self.stages.still.as_ref()), &seeing))
     }
 
     /// Answers for one light; gives back its maps, where they were drawn.
@@ -164,7 +165,6 @@ impl At<'_> {
         };
         let frame = SegmentFrame {
             stage: self.stage,
-            scene: self.scene,
             job: self.stages.job,
             frame: self.place,
             here,

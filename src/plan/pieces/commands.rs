@@ -33,8 +33,7 @@ pub fn sample(job: &LoadedJob, range: Option<&str>, to: &Path, watch: &Watch) ->
     let loaded = Loaded::new(job, watch)?;
     let identity = Identity::of(&loaded, false)?;
     let places = places(&identity.frames, range)?;
-    let stages = loaded.stages();
-    watch.step(Stage::Load, 1, 1)?;
+    let (stages, _) = loaded.stages(watch)?;
     let total = places.len() as u64;
     let mut frames = Vec::with_capacity(places.len());
     for (done, place) in places.into_iter().enumerate() {
@@ -56,8 +55,7 @@ pub fn solve(parts: &[PathBuf], job_dir: Option<&Path>, to: &Path, watch: &Watch
     let parts = together(parts, &[Kind::Sampled], "solve")?;
     let job = job(first(&parts)?, job_dir)?;
     let loaded = reload(&job, first(&parts)?, watch)?;
-    let stages = loaded.stages();
-    watch.step(Stage::Load, 1, 1)?;
+    let (stages, _) = loaded.stages(watch)?;
     let identity = first(&parts)?.header.identity.clone();
     let mut frames = gathered(parts, Vec::new(), &identity.frames, "sample")?;
     let draft = solving::solve(&stages, &mut frames, false, watch)?;
@@ -79,8 +77,7 @@ pub fn certify(
     part.expect(&[Kind::Draft], "certify")?;
     let job = job(&part, job_dir)?;
     let loaded = reload(&job, &part, watch)?;
-    let stages = loaded.stages();
-    watch.step(Stage::Load, 1, 1)?;
+    let (stages, _) = loaded.stages(watch)?;
     let (identity, (draft, mut frames)) = (part.header.identity.clone(), drafted(part)?);
     let chosen = match range {
         Some(range) => places(&identity.frames, Some(range))?,
@@ -121,8 +118,7 @@ pub fn merge(
     let mut parts = together(parts, &[Kind::Certified, Kind::Draft], "merge")?;
     let job = job(first(&parts)?, job_dir)?;
     let loaded = reload(&job, first(&parts)?, watch)?;
-    let stages = loaded.stages();
-    watch.step(Stage::Load, 1, 1)?;
+    let (stages, _) = loaded.stages(watch)?;
     let identity = first(&parts)?.header.identity.clone();
     let base = parts.iter().position(|p| p.header.kind == Kind::Draft).map(|at| parts.remove(at));
     let (mut draft, settled) = match base {
@@ -135,7 +131,7 @@ pub fn merge(
     };
     let frames = gathered(parts, settled, &identity.frames, "certify")?;
     if settle(&stages, &mut draft, &frames) {
-        let plan = finished(&loaded, plan_dir, assembled(&stages, &draft, &frames))?;
+        let plan = finished(&job, &stages, assembled(&stages, &draft, &frames), plan_dir, None, watch)?;
         return Ok(Merged::Plan(Box::new(plan)));
     }
     let asked: Vec<i64> = pending(&stages, &draft, &frames).into_iter().map(|p| identity.frames[p]).collect();

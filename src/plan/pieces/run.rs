@@ -2,7 +2,7 @@
 
 use super::super::make::{Loaded, finished};
 use super::super::stage::Stages;
-use super::super::{Plan, PlanError, Stage, Watch};
+use super::super::{FramePlan, Plan, PlanError, Stage, Watch};
 use super::certify::certify_frame;
 use super::sample::sample_frame;
 use super::settle::{assembled, pending, settle};
@@ -25,11 +25,21 @@ pub fn make_in(
     watch: &Watch,
 ) -> Result<Plan, PlanError> {
     let loaded = Loaded::new(job, watch)?;
-    let stages = loaded.stages();
-    watch.step(Stage::Load, 1, 1)?;
+    let (stages, opening) = loaded.stages(watch)?;
     let work = work.map(|dir| Work::open(dir, &loaded, timings, watch)).transpose()?;
+    let frames = planned_in(&stages, timings, work.as_ref(), watch)?;
+    finished(job, &stages, frames, plan_dir, timings.then_some(&opening), watch)
+}
+
+/// The frames of a shot, planned by epsilon.
+pub(in crate::plan) fn planned(stages: &Stages, timings: bool, watch: &Watch) -> Result<Vec<FramePlan>, PlanError> {
+    planned_in(stages, timings, None, watch)
+}
+
+/// The same; what is finished is kept in a folder.
+fn planned_in(stages: &Stages, timings: bool, work: Option<&Work>, watch: &Watch) -> Result<Vec<FramePlan>, PlanError> {
     let mut frames = Vec::with_capacity(stages.len());
-    let resumed = work.as_ref().map(Work::draft).transpose()?.flatten();
+    let resumed = work.map(Work::draft).transpose()?.flatten();
     let mut draft = match resumed {
         Some((draft, states)) => {
             frames = states;
@@ -39,22 +49,22 @@ pub fn make_in(
             let total = stages.len() as u64;
             for place in 0..stages.len() {
                 watch.step(Stage::Samples, place as u64, total)?;
-                frames.push(sampled(&stages, place, timings, work.as_ref(), watch)?);
+                frames.push(sampled(stages, place, timings, work, watch)?);
             }
             watch.step(Stage::Samples, total, total)?;
-            let draft = solve(&stages, &mut frames, timings, watch)?;
-            keep(work.as_ref(), &draft, &frames)?;
+            let draft = solve(stages, &mut frames, timings, watch)?;
+            keep(work, &draft, &frames)?;
             draft
         }
     };
     loop {
-        round(&stages, &draft, &mut frames, timings, work.as_ref(), watch)?;
-        if settle(&stages, &mut draft, &frames) {
+        round(stages, &draft, &mut frames, timings, work, watch)?;
+        if settle(stages, &mut draft, &frames) {
             break;
         }
-        keep(work.as_ref(), &draft, &frames)?;
+        keep(work, &draft, &frames)?;
     }
-    finished(&loaded, plan_dir, assembled(&stages, &draft, &frames))
+    Ok(assembled(stages, &draft, &frames))
 }
 
 /// A frame's sample, from the folder where it is there.

@@ -6,7 +6,7 @@ use super::super::{PlanError, Watch, whole_shot};
 use super::{Answer, FrameLight, FrameState};
 use crate::depth::{Visible, reach};
 use crate::resolution::fit_light;
-use crate::scene::{Light, SceneFrame};
+use crate::scene::Light;
 use crate::shot::{Content, LightPart, Temporal, light_part};
 use crate::visibility::Answer as Seen;
 use glam::DVec3;
@@ -22,19 +22,13 @@ pub(super) fn sample_frame(
         let mut lights = Vec::with_capacity(scene.lights.len());
         for light in &scene.lights {
             watch.check()?;
-            lights.push(sampled(stages, stage, scene, light, timings)?);
+            lights.push(sampled(stages, stage, light, timings)?);
         }
         Ok(FrameState { place, camera: scene.camera.clone(), lights })
     })
 }
 
-fn sampled(
-    stages: &Stages,
-    stage: &FrameStage,
-    scene: &SceneFrame,
-    light: &Light,
-    timings: bool,
-) -> Result<FrameLight, PlanError> {
+fn sampled(stages: &Stages, stage: &FrameStage, light: &Light, timings: bool) -> Result<FrameLight, PlanError> {
     let job = stages.job;
     let mut state = FrameLight::new(light.clone());
     let alone = match stages.mode() {
@@ -49,7 +43,7 @@ fn sampled(
     }
     let lit = stage.look(light, job);
     let film = lit.film.as_ref();
-    let mut part = light_part(light, stage.camera, &lit.samples, film, job.map.outside, &scene.moving);
+    let mut part = light_part(light, stage.camera, &lit.samples, film, job.map.outside, stage.tracer.geometry());
     part.rays = stage.rays_share + lit.rays;
     if part.needed == 0 {
         state.part = Some(LightPart { edges: Vec::new(), cover: Vec::new(), ..part });

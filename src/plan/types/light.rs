@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Flicker, LightTemporal, MapPlan};
+use super::{Flicker, LightBudget, LightTemporal, MapPlan, Reprojected};
 use crate::fit::Termination;
 use crate::scene::{Light, LightKind, LightKindName};
 
@@ -31,7 +31,8 @@ pub struct LightPlan {
     /// Why the status is not `planned`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
-    /// The bound that was asked for, in the unit of the job's `quality.bound`.
+    /// The bound that was asked for, in the unit of the job's `quality.bound`; within a budget the share of the image that the
+    /// maps came to.
     pub epsilon: f64,
     /// The maps, in the order of lookup; none when nothing has to be looked up.
     pub maps: Vec<MapPlan>,
@@ -48,6 +49,13 @@ pub struct LightPlan {
     /// was measured.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub flicker: Option<Flicker>,
+    /// What a renderer that blends answers over time makes of its maps, by which the bound is judged; only with maps, where
+    /// the job's `lookup` has it. `error` and `flicker` are those of the maps alone.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reprojected: Option<Reprojected>,
+    /// What texels gain in its maps; only with maps, within a budget.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub budget: Option<LightBudget>,
     /// What planning this light took.
     pub cost: Cost,
 }
@@ -77,6 +85,8 @@ impl LightPlan {
             solver: None,
             temporal: None,
             flicker: None,
+            reprojected: None,
+            budget: None,
             cost: Cost::default(),
         }
     }
@@ -113,7 +123,7 @@ pub enum Status {
     NoVisibleShadow,
     /// It lights nothing that is seen; no map is needed.
     Unlit,
-    /// The best maps within the job's limits, over epsilon.
+    /// The best maps within the job's limits, over epsilon; or the smallest ones, over its budget.
     NotMet,
     /// The method has no answer for this light and camera; `reason` names why.
     Inapplicable,
@@ -122,12 +132,14 @@ pub enum Status {
 /// Error of a light's maps.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
 pub struct LightError {
-    /// What was predicted at the chosen size.
-    pub predicted: Predicted,
+    /// What was predicted at the chosen size; absent where measured sizes alone decide: within a budget, and with
+    /// reprojection.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub predicted: Option<Predicted>,
     /// What was measured at the chosen size; absent with `measure = "never"`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub measured: Option<Measured>,
-    /// Every size that was measured, in the order of trial.
+    /// Every size that was measured, in the order of trial; ascending where there is no prediction.
     pub tried: Vec<Tried>,
     /// True when the bound holds: measured where it was, else predicted.
     pub met: bool,
@@ -187,6 +199,9 @@ pub struct Tried {
     pub width: u32,
     /// Texels.
     pub height: u32,
+    /// Texels of all maps of the light together; stated where the prediction is not.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub texels: Option<u64>,
     /// Wrong pixels at this size.
     pub misclassified: u64,
     /// Further wrong pixels whose exact answer is uncertain.

@@ -43,6 +43,21 @@ pub struct Flicker {
     pub compared: u64,
 }
 
+/// What a renderer shows that blends answers over time (`job.lookup`), in this frame.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+pub struct Reprojected {
+    /// Pixels taken wrongly for shadowed or lit whose exact answer is certain.
+    pub misclassified: u64,
+    /// Further such pixels whose exact answer is uncertain.
+    pub uncertain: u64,
+    /// The bound holds for these counts.
+    pub met: bool,
+    /// Changes of what is shown since the frame before that nothing accounts for, of pixels that the renderer finds there;
+    /// absent for the first frame.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub flicker: Option<Flicker>,
+}
+
 impl LightTemporal {
     /// Of an entry planned for its frame alone.
     pub fn alone(frame: i64, reason: Option<String>) -> LightTemporal {

@@ -1,7 +1,7 @@
 //! What a plan says across frames: flicker, which maps are reused, and which frame needs a segment's size.
 
 use super::super::remeasure::{Before, Remeasured};
-use super::super::{LightPlan, Plan, Tried};
+use super::super::{LightPlan, Plan, Reprojected, Tried};
 use super::LightCheck;
 use crate::measure::{Drawn, Earlier, Verdict};
 use crate::resolution::Bound;
@@ -70,6 +70,22 @@ impl Across {
         };
         self.drawn.push((entry.light.clone(), origin, Arc::clone(&measured.drawn)));
         fault
+    }
+}
+
+/// What a renderer that blends answers over time shows, against what the plan says of it.
+pub(super) fn check_shown(check: &mut LightCheck, entry: &LightPlan, shown: Reprojected) {
+    let expected = Some(shown).filter(|_| !entry.maps.is_empty());
+    let mut faults = Vec::new();
+    if entry.reprojected != expected {
+        faults.push(format!("reprojected is {:?} in the plan, {expected:?} measured again", entry.reprojected));
+    }
+    if expected.is_some_and(|shown| entry.budget.is_none() && shown.met != entry.met()) {
+        faults.push("the bound is not judged by what reprojection leaves".to_owned());
+    }
+    if !faults.is_empty() {
+        check.outcome = super::Outcome::Broken;
+        check.reasons.extend(faults);
     }
 }
 

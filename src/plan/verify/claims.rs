@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::super::{FramePlan, LightPlan, Plan, Summary};
+use super::super::{FramePlan, LightPlan, Plan, Summary, budget};
 use crate::math::rows_of;
 use crate::scene::{Film, Light, SceneFrame, Shot};
 
@@ -36,6 +36,10 @@ pub(super) fn of_the_whole(plan: &Plan, plan_dir: &Path, shot: &Shot) -> Vec<Str
     if plan.summary != Summary::of(&plan.frames) {
         problems.push("summary does not say what the frames say".to_owned());
     }
+    if plan.budget != plan.job.budget_of(&plan.frames) {
+        problems.push("budget does not say what the frames say".to_owned());
+    }
+    problems.extend(budget::faults(plan));
     problems
 }
 

@@ -6,7 +6,7 @@ use super::{LightCheck, Outcome, claims, restated, witness};
 use crate::job::Job;
 use crate::math::first_holding;
 use crate::measure::{EDGE_ON_DEGREES, Outside, Verdict, edge_distance, footprint};
-use crate::resolution::{Bound, Measure};
+use crate::resolution::Bound;
 use crate::scene::Light;
 use glam::DVec3;
 
@@ -42,8 +42,15 @@ pub(super) fn check(
         reasons: Vec::new(),
     };
     check.reasons.extend(claims::of_a_light(entry, light));
-    if entry.epsilon != job.quality.epsilon() {
-        check.reasons.push(format!("epsilon is {}, {} in the job", entry.epsilon, job.quality.epsilon()));
+    let got = entry.error.as_ref().filter(|_| entry.budget.is_some()).and_then(|e| e.measured.as_ref());
+    match got.map(|m| m.misclassified as f64 / m.of_pixels as f64) {
+        None if entry.epsilon != job.quality.epsilon() => {
+            check.reasons.push(format!("epsilon is {}, {} in the job", entry.epsilon, job.quality.epsilon()));
+        }
+        Some(got) if entry.epsilon != got => {
+            check.reasons.push(format!("epsilon is {}, {got} of the image is wrong", entry.epsilon));
+        }
+        _ => {}
     }
     let measured = match remeasure(seeing, light, &entry.maps, &job.map, None) {
         Ok(measured) => measured,
@@ -72,7 +79,7 @@ pub(super) fn check(
     if more > 0 {
         check.reasons.push(format!("{more} more witnesses do not hold"));
     }
-    settle(&mut check, entry, &measured.verdict, at_quantile);
+    settle(&mut check, entry, &measured.verdict, at_quantile, job);
     (check, Some(measured))
 }
 
@@ -87,7 +94,7 @@ fn status_faults(entry: &LightPlan, measured: &Remeasured, job: &Job) -> Vec<Str
         faults.push(format!("status {:?} does not go with {} maps", entry.status, entry.maps.len()));
     }
     // Without measuring, the status was decided on the planning grid; the bound alone judges it.
-    if job.quality.measure == Measure::Always {
+    if job.quality.measure.measures() {
         let found = match (receivers.is_empty(), needed) {
             (true, _) => Some(Status::Unlit),
             (false, 0) => Some(Status::NoVisibleShadow),
@@ -113,7 +120,7 @@ fn status_faults(entry: &LightPlan, measured: &Remeasured, job: &Job) -> Vec<Str
 /// Together the domains hold every pixel whose answer is not that of `outside`, where the plan was made knowing the pixels.
 fn domain_fault(measured: &Remeasured, job: &Job) -> Option<String> {
     let Remeasured { receivers, drawn, .. } = measured;
-    if drawn.is_empty() || job.quality.measure != Measure::Always {
+    if drawn.is_empty() || !job.quality.measure.measures() {
         return None;
     }
     let needs = job.map.outside == Outside::Lit;
@@ -127,7 +134,7 @@ fn count_faults(seeing: &Seeing, entry: &LightPlan, now: &Verdict, of_pixels: u6
     let mut faults = Vec::new();
     let Some(error) = &entry.error else { return faults };
     let Some(plan) = &error.measured else {
-        if job.quality.measure == Measure::Always {
+        if job.quality.measure.measures() {
             faults.push("error.measured is missing, and the job measures".to_owned());
         }
         return faults;
@@ -171,7 +178,9 @@ fn certificate_fault(entry: &LightPlan, plan: &Measured, met: bool, of_pixels: u
     if !tried.iter().any(is_chosen) {
         return Some(format!("{}x{} with these counts is not among the sizes tried", first.width, first.height));
     }
-    if entry.maps.len() > 1 || !met || job.quality.bound != Bound::Misclassified {
+    // Within a budget no size is the smallest; and with reprojection these counts do not judge.
+    let otherwise = entry.budget.is_some() || entry.reprojected.is_some();
+    if entry.maps.len() > 1 || !met || job.quality.bound != Bound::Misclassified || otherwise {
         return None;
     }
     let limit = job.quality.epsilon() * of_pixels as f64;
@@ -217,10 +226,14 @@ fn value_fault(entry: &LightPlan, now: f64, job: &Job) -> Option<String> {
 }
 
 /// The outcome, from the faults found and the bound, whose value now is `at_quantile` where it counts no pixels.
-fn settle(check: &mut LightCheck, entry: &LightPlan, now: &Verdict, at_quantile: Option<f64>) {
+fn settle(check: &mut LightCheck, entry: &LightPlan, now: &Verdict, at_quantile: Option<f64>, job: &Job) {
     let measured = entry.error.as_ref().and_then(|e| e.measured.as_ref());
     let no_map_needed = matches!(entry.status, Status::Unlit | Status::NoVisibleShadow);
     let holds = match at_quantile {
+        // Within a budget its limits are the bound; they are checked for the plan as a whole.
+        None if entry.budget.is_some() => entry.met(),
+        // Judged by what reprojection leaves; that is checked across frames.
+        None if entry.reprojected.is_some() && job.lookup.is_temporal() => entry.met(),
         None => entry.status != Status::Inapplicable && now.meets(check.epsilon * check.of_pixels as f64),
         Some(_) if no_map_needed => now.certain.wrong() == 0,
         Some(value) => entry.status != Status::Inapplicable && value <= check.epsilon,

@@ -5,7 +5,6 @@ use super::super::remeasure::Remeasured;
 use super::super::{LightCamera, LightPlan, LightProjection, MapPlan};
 use crate::job::Job;
 use crate::math::{first_holding, matrix_from_rows};
-use crate::resolution::Measure;
 use glam::{DMat4, DQuat, DVec3, DVec4};
 
 /// Part of a row's largest entry by which the matrix of a light camera may differ. Its near plane is a difference of
@@ -16,7 +15,7 @@ const CAMERA_ACCURACY: f64 = 1e-9;
 pub(super) fn faults(entry: &LightPlan, measured: &Remeasured, job: &Job) -> Vec<String> {
     let mut faults = Vec::new();
     // Without measuring, the range was found on the planning grid, not for every pixel.
-    if job.quality.measure == Measure::Always {
+    if job.quality.measure.measures() {
         faults.extend(range_faults(measured));
     }
     for (k, map) in entry.maps.iter().enumerate() {

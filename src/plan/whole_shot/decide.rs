@@ -7,7 +7,7 @@ use super::held::Held;
 use super::measure::SegmentFrame;
 use super::{row, window};
 use crate::measure::Receivers;
-use crate::resolution::{AspectRule, FilmQuestion, Judge, polish};
+use crate::resolution::{AspectRule, Drawing, FilmQuestion, Judge, default_bias, polish, size_on_grid};
 use crate::scene::Light;
 use crate::shot::{Asked, Hold, LightParts, Segmentation, Temporal, carry, interval_samples, segments};
 
@@ -128,17 +128,8 @@ fn decide(
         }
         let part = &light.parts[frame];
         let state = FrameLight { motion: motion(frame), ..FrameLight::new(here.clone()) };
-        let at = SegmentFrame {
-            stage,
-            scene,
-            job: stages.job,
-            frame,
-            here,
-            state: &state,
-            part,
-            film: film.as_ref(),
-            timings,
-        };
+        let at =
+            SegmentFrame { stage, job: stages.job, frame, here, state: &state, part, film: film.as_ref(), timings };
         Ok(Ok(Some(at.enter(&held, None)?)))
     })?;
     let entered = match found {
@@ -171,7 +162,9 @@ fn polished(
     samples.covered.clone_from(&held.fitted.covered);
     let question = FilmQuestion { map: asked.map, ..stage.question(here, stages.job) };
     if let Ok(mut judge) = Judge::new(stage.tracer, view, &question, &held.fitted, film, stage.offset) {
-        polish(&question, &samples, &mut held.fitted, &mut judge)?;
+        let size = |aspect: f64, texels: f64| size_on_grid(asked.map, aspect, texels);
+        let drawing = Drawing { size: &size, bias: default_bias(&asked.map.bias) };
+        polish(&question, &samples, &mut held.fitted, &mut judge, &drawing)?;
     }
     held.refit(asked);
     Ok(())

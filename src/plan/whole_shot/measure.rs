@@ -15,7 +15,7 @@ use crate::resolution::{
     Certified, FilmQuestion, FittedLight, Judge, JudgedMap, Probe, Trial, default_bias, measured_bias, predict,
     predicted_at_quantile, predicted_texels, smallest, trial,
 };
-use crate::scene::{Light, SceneFrame};
+use crate::scene::Light;
 use crate::shot::{Content, LightPart, in_frame};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -33,7 +33,6 @@ pub(in crate::plan) struct Ready {
 /// A frame of a segment.
 pub(in crate::plan) struct SegmentFrame<'a> {
     pub(in crate::plan) stage: &'a FrameStage<'a>,
-    pub(in crate::plan) scene: &'a SceneFrame,
     pub(in crate::plan) job: &'a Job,
     /// Place of the frame in the shot.
     pub(in crate::plan) frame: usize,
@@ -112,7 +111,7 @@ impl SegmentFrame<'_> {
     pub(in crate::plan) fn content(&self, held: &Held) -> Content {
         let carried = |r: &Region| self.state.motion.as_ref().map_or_else(|| Some(r.clone()), |m| r.carried(m));
         let regions: Option<Vec<Region>> = held.fitted.regions.iter().map(carried).collect();
-        Content::in_maps(&self.scene.moving, &regions.unwrap_or_default())
+        Content::in_maps(self.stage.tracer.geometry(), &regions.unwrap_or_default())
     }
 }
 

@@ -2,14 +2,17 @@
 //!
 //! Bounds are checked before anything is allocated, so that the memory taken is proportional to the bytes of the file.
 
-use super::buffers::Buffers;
+use super::buffers::{Allowance, Buffers};
 use super::document::{Accessor, Document, entry, malformed};
 use crate::scene::SceneError;
+use crate::scene::beside::Reach;
+use rayon::prelude::*;
 use std::path::Path;
 
 /// Most elements of an accessor without a buffer view. It is all zeros but for its sparse entries, and nothing but the
-/// number in the JSON bounds its memory: 2^24 elements are 400 MB of positions.
-const MAX_ELEMENTS_WITHOUT_BYTES: u64 = 1 << 24;
+/// number in the JSON bounds its memory; so it may have some, and more in a file that has bytes: such accessors are
+/// displacements of vertices whose positions take 6 bytes each, or less when compressed.
+const ELEMENTS_WITHOUT_BYTES: Allowance = Allowance { free: 1 << 12, per_byte: 16 };
 
 /// A document with its bytes.
 #[derive(Clone, Copy)]
@@ -20,6 +23,8 @@ pub(super) struct Source<'a> {
     pub document: &'a Document,
     /// Loaded.
     pub buffers: &'a Buffers,
+    /// Which files the document may name.
+    pub reach: Reach,
 }
 
 /// How one component is stored.
@@ -89,16 +94,20 @@ impl<'a> Source<'a> {
             }
             let count = decoded.bytes.len() / element;
             let all = Strided { bytes: &decoded.bytes, element, stride: element, count };
-            return Ok(decode_all(all, decoded.component, accessor.normalized));
+            return Ok(decode_all(all, |value| value, decoded.component, accessor.normalized));
         }
         let component = self.component(&place, accessor.component_type)?;
         let mut values = match accessor.buffer_view {
             Some(view) => {
                 let bytes = self.view_bytes::<N>(&place, view, accessor.byte_offset, component, accessor.count)?;
-                decode_all(bytes, component, accessor.normalized)
+                decode_all(bytes, |value| value, component, accessor.normalized)
             }
-            None if accessor.count > MAX_ELEMENTS_WITHOUT_BYTES => {
-                let problem = format!("counts {} elements but has no bufferView", accessor.count);
+            None if accessor.count > self.buffers.allows(ELEMENTS_WITHOUT_BYTES) => {
+                let (count, most) = (accessor.count, self.buffers.allows(ELEMENTS_WITHOUT_BYTES));
+                let problem = format!(
+                    "counts {count} elements but has no bufferView, and the buffers of this file are too small for \
+                     more than {most} of them"
+                );
                 return Err(self.fail(&place, problem));
             }
             None => vec![[0.0; N]; accessor.count as usize],
@@ -117,6 +126,12 @@ impl<'a> Source<'a> {
         self.index_component(&place, accessor.component_type)?;
         if accessor.normalized {
             return Err(self.fail(&place, "holds indices, which cannot be normalized"));
+        }
+        let plain = accessor.sparse.is_none() && accessor.kind == "SCALAR" && !self.buffers.draco.contains_key(&index);
+        if let Some(view) = accessor.buffer_view.filter(|_| plain) {
+            let component = self.component(&place, accessor.component_type)?;
+            let bytes = self.view_bytes::<1>(&place, view, accessor.byte_offset, component, accessor.count)?;
+            return Ok(decode_all::<1, _>(bytes, |[value]| value as u32, component, false));
         }
         // Exact: the values are unsigned integers of at most 32 bits.
         Ok(self.read::<1>(index, "SCALAR")?.into_iter().map(|[value]| value as u32).collect())
@@ -151,8 +166,9 @@ impl<'a> Source<'a> {
         let value_bytes =
             self.view_bytes::<N>(place, sparse.values.buffer_view, sparse.values.byte_offset, component, sparse.count)?;
         let count = values.len();
-        let targets = decode_all::<1>(index_bytes, index_type, false);
-        for ([target], value) in targets.into_iter().zip(decode_all(value_bytes, component, accessor.normalized)) {
+        let targets = decode_all::<1, _>(index_bytes, |value| value, index_type, false);
+        let given = decode_all(value_bytes, |value| value, component, accessor.normalized);
+        for ([target], value) in targets.into_iter().zip(given) {
             let slot = values
                 .get_mut(target as usize)
                 .ok_or_else(|| self.fail(place, format!("sparse index {target} lies beyond its {count} elements")))?;
@@ -226,12 +242,22 @@ struct Strided<'a> {
     count: usize,
 }
 
-/// All elements; their bytes have been bounds checked.
-fn decode_all<const N: usize>(from: Strided<'_>, component: Component, normalized: bool) -> Vec<[f64; N]> {
-    (0..from.count)
-        .map(|k| {
-            let element = &from.bytes[k * from.stride..k * from.stride + from.element];
-            std::array::from_fn(|c| component.decode(&element[c * component.bytes()..], normalized))
-        })
-        .collect()
+/// Elements decoded by one task, at least.
+const ELEMENTS_A_TASK: usize = 16_384;
+
+/// All elements, in the form wanted; their bytes have been bounds checked.
+fn decode_all<const N: usize, T: Send>(
+    from: Strided<'_>,
+    wanted: impl Fn([f64; N]) -> T + Sync,
+    component: Component,
+    normalized: bool,
+) -> Vec<T> {
+    let one = |k: usize| {
+        let element = &from.bytes[k * from.stride..k * from.stride + from.element];
+        wanted(std::array::from_fn(|c| component.decode(&element[c * component.bytes()..], normalized)))
+    };
+    if from.count < 2 * ELEMENTS_A_TASK {
+        return (0..from.count).map(one).collect();
+    }
+    (0..from.count).into_par_iter().with_min_len(ELEMENTS_A_TASK).map(one).collect()
 }

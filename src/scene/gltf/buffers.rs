@@ -3,7 +3,8 @@
 
 use super::document::{Document, malformed};
 use super::draco;
-use crate::scene::{SceneError, beside};
+use crate::scene::SceneError;
+use crate::scene::beside::{self, Reach};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
@@ -18,6 +19,24 @@ pub(super) struct Buffers {
     pub draco: draco::Accessors,
 }
 
+/// How much of something a file may ask for that its bytes do not hold: so that a small file cannot take much memory, and
+/// no file of production is refused.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Allowance {
+    /// Whatever the file.
+    pub free: u64,
+    /// For each byte of its buffers.
+    pub per_byte: u64,
+}
+
+impl Buffers {
+    /// An allowance of this file.
+    pub(super) fn allows(&self, Allowance { free, per_byte }: Allowance) -> u64 {
+        let bytes: u64 = self.bytes.iter().flatten().map(|bytes| bytes.len() as u64).sum();
+        free.saturating_add(bytes.saturating_mul(per_byte))
+    }
+}
+
 /// Loads all buffers; files read are appended to `inputs`.
 ///
 /// # Errors
@@ -27,6 +46,7 @@ pub(super) fn load(
     path: &Path,
     document: &Document,
     mut bin: Option<Vec<u8>>,
+    reach: Reach,
     inputs: &mut Vec<PathBuf>,
 ) -> Result<Buffers, SceneError> {
     let mut bytes = Vec::new();
@@ -36,7 +56,7 @@ pub(super) fn load(
             _ if buffer.is_fallback() => None,
             None if index == 0 => bin.take(),
             None => None,
-            Some(uri) => Some(read_uri(path, &place, uri, inputs)?),
+            Some(uri) => Some(read_uri(path, &place, uri, reach, inputs)?),
         };
         if let Some(data) = &data
             && (data.len() as u64) < buffer.byte_length
@@ -58,16 +78,24 @@ pub(super) fn load(
 ///
 /// # Errors
 /// [`SceneError::Read`], [`SceneError::Malformed`]; `place` says who asks.
-pub(super) fn read_uri(path: &Path, place: &str, uri: &str, inputs: &mut Vec<PathBuf>) -> Result<Vec<u8>, SceneError> {
+pub(super) fn read_uri(
+    path: &Path,
+    place: &str,
+    uri: &str,
+    reach: Reach,
+    inputs: &mut Vec<PathBuf>,
+) -> Result<Vec<u8>, SceneError> {
     if uri.get(..5).is_some_and(|scheme| scheme.eq_ignore_ascii_case("data:")) {
         let decoded = data_url::DataUrl::process(uri).ok().and_then(|data| data.decode_to_vec().ok());
-        let (data, _) = decoded.ok_or_else(|| malformed(path, place, "a data URI that does not decode"))?;
+        let (data, _) =
+            decoded.ok_or_else(|| malformed(path, place, "a data URI that does not decode; export the file again"))?;
         return Ok(data);
     }
-    let file = file_of(path, uri).map_err(|problem| {
-        malformed(path, place, format!("URI {uri:?} {problem}; put the file beside or below the scene"))
+    let file = file_of(path, uri, reach).map_err(|problem| {
+        let remedy = "put the file beside or below the scene, or say --allow-outside";
+        malformed(path, place, format!("URI {uri:?} {problem}; {remedy}"))
     })?;
-    let data = std::fs::read(&file).map_err(|source| SceneError::Read { path: file.clone(), source })?;
+    let data = beside::bytes(&file).map_err(|source| SceneError::Read { path: file.clone(), source })?;
     if !inputs.contains(&file) {
         inputs.push(file);
     }
@@ -75,9 +103,9 @@ pub(super) fn read_uri(path: &Path, place: &str, uri: &str, inputs: &mut Vec<Pat
 }
 
 /// The file that a relative URI names, percent-decoded.
-fn file_of(path: &Path, uri: &str) -> Result<PathBuf, &'static str> {
+fn file_of(path: &Path, uri: &str, reach: Reach) -> Result<PathBuf, &'static str> {
     let decoded = percent_encoding::percent_decode_str(uri).decode_utf8().map_err(|_| "is not UTF-8 when decoded")?;
-    beside::path(path, &decoded)
+    beside::path(path, &decoded, reach)
 }
 
 #[cfg(test)]
@@ -86,7 +114,7 @@ mod tests {
 
     #[test]
     fn uris_are_decoded_before_they_are_judged() {
-        let from = |uri: &str| file_of(Path::new("set/a.gltf"), uri);
+        let from = |uri: &str| file_of(Path::new("set/a.gltf"), uri, Reach::Folder);
         assert_eq!(from("a%20b/c%C3%A9.bin").unwrap(), Path::new("set/a b/cé.bin"));
         for uri in ["%2e%2e/b", "%ff", "%2Fetc%2Fpasswd"] {
             assert!(from(uri).is_err(), "{uri}");

@@ -26,6 +26,9 @@ pub(super) struct Container {
 /// # Errors
 /// [`SceneError::Malformed`] for a wrong version, or chunks that are cut off, missing or out of order.
 pub(super) fn locate(path: &Path, bytes: &[u8]) -> Result<Container, SceneError> {
+    if bytes.is_empty() {
+        return Err(malformed(path, "glTF", "the file is empty; export or copy it again"));
+    }
     if !bytes.starts_with(GLB_MAGIC) {
         return Ok(Container { json: 0..bytes.len(), bin: None });
     }

@@ -6,7 +6,6 @@
 
 use super::accessor::{Component, Source};
 use super::document::{Draco, Primitive, entry, malformed};
-use super::views::MAX_DECODED_BYTES;
 use crate::scene::SceneError;
 use crate::scene::model::place;
 use draco_core::{DataType, DecodeLimits, DecoderBuffer, Mesh, MeshDecoder, PointAttribute, PointIndex};
@@ -64,10 +63,11 @@ pub(super) fn decode(source: Source<'_>, meshes: impl Iterator<Item = usize>) ->
             tasks.push(task);
         }
     }
-    if declared > MAX_DECODED_BYTES {
+    let most = source.most_decoded_bytes();
+    if declared > most {
         let problem = format!(
-            "the Draco-compressed meshes of this file declare {declared} bytes, more than the {MAX_DECODED_BYTES} that \
-             are decompressed; split the file or store it uncompressed"
+            "the Draco-compressed meshes of this file declare {declared} bytes, more than the {most} that are \
+             decompressed of it; split the file or store it uncompressed"
         );
         return Err(malformed(source.path, "accessors", problem));
     }

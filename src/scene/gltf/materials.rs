@@ -158,7 +158,7 @@ impl<'a> Materials<'a> {
         let external;
         let bytes = match (&image.uri, image.buffer_view) {
             (Some(uri), _) => {
-                external = read_uri(source.path, &place, uri, inputs)?;
+                external = read_uri(source.path, &place, uri, source.reach, inputs)?;
                 &external
             }
             (None, Some(view)) => source.view(view)?,

@@ -32,8 +32,10 @@ pub(super) struct Skipped {
 pub(super) struct Reader<'a> {
     source: Source<'a>,
     materials: Materials<'a>,
-    /// Decoded POSITION accessors by index: exporters let many primitives share one.
-    positions: BTreeMap<usize, Rc<[DVec3]>>,
+    /// Decoded POSITION accessors that several primitives share, as some exporters let them, by index.
+    positions: BTreeMap<usize, Rc<Vec<DVec3>>>,
+    /// POSITION accessors by index: how many primitives use them.
+    uses: BTreeMap<usize, usize>,
     /// So far.
     pub skipped: Skipped,
 }
@@ -41,7 +43,12 @@ pub(super) struct Reader<'a> {
 impl<'a> Reader<'a> {
     /// Nothing read yet.
     pub(super) fn new(source: Source<'a>, materials: Materials<'a>) -> Self {
-        Reader { source, materials, positions: BTreeMap::new(), skipped: Skipped::default() }
+        let mut uses = BTreeMap::new();
+        let primitives = source.document.meshes.iter().flat_map(|mesh| &mesh.primitives);
+        for accessor in primitives.filter_map(|primitive| primitive.attributes.position) {
+            *uses.entry(accessor).or_default() += 1;
+        }
+        Reader { source, materials, positions: BTreeMap::new(), uses, skipped: Skipped::default() }
     }
 
     /// All triangles of a mesh, with the joints of their vertices where it is `skinned`. New masks are appended to `masks`,
@@ -110,8 +117,11 @@ impl<'a> Reader<'a> {
             Some(known) => Rc::clone(known),
             None => {
                 let read = source.read::<3>(accessor, "VEC3")?;
-                let read: Rc<[DVec3]> = read.into_iter().map(DVec3::from_array).collect();
-                self.positions.insert(accessor, Rc::clone(&read));
+                // In place: the two are laid out alike.
+                let read = Rc::new(read.into_iter().map(DVec3::from_array).collect::<Vec<_>>());
+                if self.uses.get(&accessor).is_some_and(|uses| *uses > 1) {
+                    self.positions.insert(accessor, Rc::clone(&read));
+                }
                 read
             }
         };

@@ -23,6 +23,7 @@ mod scene;
 mod skin;
 mod views;
 
+use super::beside::Reach;
 use super::light_source::WIDEST_CONE_RAD;
 use super::model::{CameraTracks, FileCamera, FileLight, FileLightKind, LightTracks, Model, place};
 use super::{BlendRule, Projection, SceneError};
@@ -48,8 +49,7 @@ pub(super) fn is_glb(bytes: &[u8]) -> bool {
 pub(super) fn read(
     path: &Path,
     mut bytes: Vec<u8>,
-    active_scene: Option<&str>,
-    blend: BlendRule,
+    (active_scene, blend, reach): (Option<&str>, BlendRule, Reach),
     scenes: &mut ScenesMet,
     model: &mut Model,
 ) -> Result<(), SceneError> {
@@ -72,10 +72,10 @@ pub(super) fn read(
         bytes.truncate(bin.end);
         bytes.split_off(bin.start)
     });
-    let mut buffers = buffers::load(path, &document, bin, &mut model.inputs)?;
+    let mut buffers = buffers::load(path, &document, bin, reach, &mut model.inputs)?;
     let meshes = in_scene.iter().filter_map(|&node| document.nodes[node].mesh).collect::<BTreeSet<_>>();
-    buffers.draco = draco::decode(Source { path, document: &document, buffers: &buffers }, meshes.into_iter())?;
-    let source = Source { path, document: &document, buffers: &buffers };
+    buffers.draco = draco::decode(Source { path, document: &document, buffers: &buffers, reach }, meshes.into_iter())?;
+    let source = Source { path, document: &document, buffers: &buffers, reach };
 
     let file: Arc<Path> = Arc::from(path);
     let base = model.nodes.len();
@@ -119,7 +119,8 @@ fn add_camera_and_light(
 }
 
 fn convert_camera(path: &Path, index: usize, camera: &Camera, node: usize) -> Result<FileCamera, SceneError> {
-    let fail = |problem: String| malformed(path, place("camera", index, camera.name.as_deref()), problem);
+    let at = || place("camera", index, camera.name.as_deref());
+    let fail = |problem: String| malformed(path, at(), format!("{problem}; fix it in the file"));
     let (projection, aspect, near, far) = match (camera.kind.as_str(), &camera.perspective, &camera.orthographic) {
         ("perspective", Some(p), _) => {
             if !(p.yfov > 0.0 && p.yfov < PI) {
@@ -151,7 +152,8 @@ fn convert_camera(path: &Path, index: usize, camera: &Camera, node: usize) -> Re
 }
 
 fn convert_light(path: &Path, index: usize, light: &Light, node: usize) -> Result<FileLight, SceneError> {
-    let fail = |problem: String| malformed(path, place("light", index, light.name.as_deref()), problem);
+    let at = || place("light", index, light.name.as_deref());
+    let fail = |problem: String| malformed(path, at(), format!("{problem}; fix it in the file"));
     if let Some(range) = light.range.filter(|&range| range.is_nan() || range <= 0.0) {
         return Err(fail(format!("range {range} is not positive")));
     }
@@ -166,7 +168,7 @@ fn convert_light(path: &Path, index: usize, light: &Light, node: usize) -> Resul
             }
             FileLightKind::Spot { cone_rad: cone_rad.min(FRAC_PI_2), range }
         }
-        other => return Err(fail(format!("type {other:?} is unknown"))),
+        other => return Err(fail(format!("type {other:?} is neither directional nor point nor spot"))),
     };
     Ok(FileLight { node, name: light.name.clone(), kind, tracks: LightTracks::default() })
 }

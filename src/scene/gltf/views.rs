@@ -2,13 +2,18 @@
 //! KHR_meshopt_compression says so. Each compressed view is decoded once, when it is first asked for.
 
 use super::accessor::Source;
+use super::buffers::Allowance;
 use super::document::{MeshoptView, entry, malformed};
 use super::meshopt::{self, Filter, Layout, Mode};
 use crate::scene::SceneError;
 
 /// Most bytes that the compressed parts of a file may declare to hold, all together, so that a small file cannot ask for
 /// any amount of memory: 2 GiB is a scene of about 80 million triangles.
-pub(super) const MAX_DECODED_BYTES: u64 = 2 << 30;
+const MAX_DECODED_BYTES: u64 = 2 << 30;
+
+/// The same by the bytes of the file. Both codecs spend a bit or two at least on a triangle of some 20 bytes; only what is
+/// all the same packs tighter.
+const DECODED_BYTES: Allowance = Allowance { free: 16 << 20, per_byte: 512 };
 
 impl<'a> Source<'a> {
     /// The bytes of a buffer view.
@@ -51,6 +56,11 @@ impl<'a> Source<'a> {
         }
     }
 
+    /// Most bytes that the compressed parts of this file may declare, all together.
+    pub(super) fn most_decoded_bytes(self) -> u64 {
+        self.buffers.allows(DECODED_BYTES).min(MAX_DECODED_BYTES)
+    }
+
     fn decompress(self, place: &str, view: &MeshoptView) -> Result<Vec<u8>, SceneError> {
         let stream = self.stored(place, view.buffer, view.byte_offset, view.byte_length)?;
         let mode = match view.mode.as_str() {
@@ -74,16 +84,17 @@ impl<'a> Source<'a> {
             .map_err(|flaw| self.fail(place, format!("its meshopt stream is damaged: {flaw}")))
     }
 
-    /// Refuses a file whose compressed views declare more than [`MAX_DECODED_BYTES`] together.
+    /// Refuses a file whose compressed views declare more than [`Source::most_decoded_bytes`] together.
     fn check_declared(self, place: &str) -> Result<(), SceneError> {
         let views = self.document.buffer_views.iter().filter_map(|view| view.meshopt());
         let declared = views.fold(0_u64, |sum, view| sum.saturating_add(view.count.saturating_mul(view.byte_stride)));
-        if declared <= MAX_DECODED_BYTES {
+        let most = self.most_decoded_bytes();
+        if declared <= most {
             return Ok(());
         }
         let problem = format!(
-            "the compressed views of this file declare {declared} bytes, more than the {MAX_DECODED_BYTES} that are \
-             decompressed; split the file or store it uncompressed"
+            "the compressed views of this file declare {declared} bytes, more than the {most} that are decompressed of \
+             it; split the file or store it uncompressed"
         );
         Err(malformed(self.path, place, problem))
     }

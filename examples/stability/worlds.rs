@@ -1,0 +1,161 @@
+//! The same yard in worlds of other scale, place and orientation.
+
+use super::plane::Edges;
+use super::setup::{World, yard};
+use super::table::{Row, Table, short};
+use super::trial::{Trial, only_map, plan};
+use glam::{DMat3, DMat4, DQuat, DVec3, dvec3};
+use lixel::math::matrix_from_rows;
+use lixel::plan::MapPlan;
+
+/// Largest relative change of the metric at a given matrix where f32 holds the same scene.
+const METRIC_EXACT: f64 = 1e-6;
+/// The same where vertices round to other f32 numbers: edges move by some 1e-4 pixels, and a position of the film that
+/// lies so near to one may fall to its other side, with the piece of edge between them. The yard has some 2000 pieces, so
+/// this is a few of them.
+const METRIC_ROUNDED: f64 = 2e-3;
+/// Largest relative change of a measured count.
+pub(crate) const COUNT: f64 = 0.02;
+
+/// How far two planned sizes are apart in steps of the size grid, over both sides; a texel of rounding is none. A quarter
+/// turn of a map is the same grid of texels.
+pub(crate) fn steps_apart(a: [u32; 2], b: [u32; 2], step: f64) -> f64 {
+    let side = |a: u32, b: u32| {
+        let (low, high) = (f64::from(a.min(b)), f64::from(a.max(b)));
+        ((high - 1.0).max(low) / low).ln() / step.ln()
+    };
+    let apart = |b: [u32; 2]| side(a[0], b[0]).max(side(a[1], b[1]));
+    apart(b).min(apart([b[1], b[0]]))
+}
+
+/// Relative difference.
+pub(crate) fn apart(a: f64, b: f64) -> f64 {
+    if a == b { 0.0 } else { (a - b).abs() / a.abs().max(b.abs()) }
+}
+
+/// The turn about a tilted axis whose matrix has the entries of 3-4-5 triangles: it takes the yard's coordinates to exact
+/// ones.
+fn exact_turn() -> DMat3 {
+    let about_y = DMat3::from_cols(dvec3(0.6, 0.0, -0.8), DVec3::Y, dvec3(0.8, 0.0, 0.6));
+    let quarter = DMat3::from_cols(DVec3::Z, DVec3::X, DVec3::Y);
+    quarter * about_y
+}
+
+fn any_turn() -> DMat3 {
+    DMat3::from_quat(DQuat::from_axis_angle(dvec3(0.4, -0.7, 0.2).normalize(), 1.1))
+}
+
+/// Name, world, and whether f32 holds the same scene there.
+fn worlds(quick: bool) -> Vec<(String, World, bool)> {
+    let scaled = |scale: f64| World { scale, ..World::AUTHORED };
+    let shifted = |x: f64, y: f64, z: f64| World { shift: dvec3(x, y, z), ..World::AUTHORED };
+    let mut all = vec![
+        ("scale 2^-20 (9.5e-7)".to_owned(), scaled((-20.0_f64).exp2()), true),
+        ("scale 1e-6".to_owned(), scaled(1e-6), false),
+        ("scale 1e9".to_owned(), scaled(1e9), false),
+        ("offset 6.4e6 along z, -6.4e6 along x".to_owned(), shifted(-6.4e6, 0.0, 6.4e6), true),
+        ("turned by 3-4-5".to_owned(), World { turn: exact_turn(), ..World::AUTHORED }, true),
+    ];
+    if !quick {
+        all.extend([1e-3, 0.01, 100.0, 1e4, 1e6].map(|s| (format!("scale {s:e}"), scaled(s), false)));
+        all.extend([
+            ("scale 2^30 (1.07e9)".to_owned(), scaled(30.0_f64.exp2()), true),
+            ("offset 2e7 along every axis".to_owned(), shifted(2e7, 2e7, 2e7), true),
+            ("offset 6378137.3, 12.7, -0.1".to_owned(), shifted(6_378_137.3, 12.7, -0.1), false),
+            ("turned by 1.1 about a tilted axis".to_owned(), World { turn: any_turn(), ..World::AUTHORED }, false),
+            (
+                "turned, scale 1e6, offset 2e7".to_owned(),
+                World { turn: any_turn(), scale: 1e6, shift: dvec3(2e7, -6.4e6, 2e7) },
+                false,
+            ),
+        ]);
+    }
+    all
+}
+
+/// Authored scene space from the scene space of another world.
+fn authored_from(world: &World, authored: &Trial, other: &Trial) -> DMat4 {
+    let linear = world.turn.transpose() * (1.0 / world.scale);
+    // Origins first: differences of like numbers are exact.
+    let shift = linear * (other.shot.scene.origin - world.shift) - authored.shot.scene.origin;
+    DMat4::from_mat3_translation(linear, shift)
+}
+
+/// Wrong pixels that the world as authored has with its own matrix at the size planned in another one. Errors do not fall
+/// strictly with size, so several sizes can be the smallest one tried that meets the bound; a search that starts a step
+/// aside may end at another of them.
+fn as_authored_at(base: &Trial, clip: &DMat4, map: &MapPlan, own: &MapPlan) -> Result<u64, String> {
+    let turned = (map.width > map.height) != (own.width > own.height);
+    let [width, height] = if turned { [own.height, own.width] } else { [own.width, own.height] };
+    let at_size = MapPlan { width, height, ..map.clone() };
+    Ok(base.measured(clip, &at_size)?.certain.wrong())
+}
+
+fn row(base: &Trial, world: &World, exact: bool) -> Result<(Vec<String>, Vec<String>), String> {
+    let other = plan(&yard().placed(world), |_| {})?;
+    let (a, b) = (base.first()?, other.first()?);
+    let (map, own) = (only_map(a)?, only_map(b)?);
+    let (size, clip) = ([map.width, map.height], matrix_from_rows(&map.clip_from_world));
+    let same = clip * authored_from(world, base, &other);
+
+    let metric = |trial: &Trial, m: &DMat4| -> Result<f64, String> {
+        let edges = Edges::of(trial.light(), &trial.samples())?;
+        Ok(edges.cost(&edges.rows(m, size)))
+    };
+    let metric = apart(metric(base, &clip)?, metric(&other, &same)?);
+    let count = |trial: &Trial, m: &DMat4| trial.measured(m, map).map(|v| v.certain.wrong());
+    let counts = [count(base, &clip)?, count(&other, &same)?];
+    let steps = steps_apart(size, [own.width, own.height], base.plan.job.job.map.step);
+    let there = if steps > 1.0 { Some(as_authored_at(base, &clip, map, own)?) } else { None };
+    let planned = [a, b].map(|l| l.error.as_ref().and_then(|e| e.measured.as_ref()).map_or(0, |m| m.misclassified));
+
+    let limit = if exact { METRIC_EXACT } else { METRIC_ROUNDED };
+    let mut faults = Vec::new();
+    if metric > limit {
+        faults.push(format!("metric changes by {metric:.1e}, limit {limit:e}"));
+    }
+    let pairs = match there {
+        None => vec![counts, planned],
+        Some(there) => vec![counts, [there, planned[1]]],
+    };
+    for [a, b] in pairs {
+        if apart(a as f64, b as f64) > COUNT {
+            faults.push(format!("{steps:.1} steps apart, {a} and {b} wrong pixels"));
+        }
+    }
+    let cells = vec![
+        if exact { "yes" } else { "rounded" }.to_owned(),
+        short(metric),
+        format!("{}, {}", counts[0], counts[1]),
+        format!("{}x{}", own.width, own.height),
+        format!("{steps:.1}{}", there.map_or(String::new(), |n| format!(" (authored: {n})"))),
+        planned[1].to_string(),
+        short(own.f32_roundtrip_texels),
+    ];
+    Ok((cells, faults))
+}
+
+pub(crate) fn table(quick: bool) -> Table {
+    let rows = match plan(&yard(), |_| {}) {
+        Err(fault) => vec![Row { cells: vec!["as authored".to_owned()], faults: vec![fault] }],
+        Ok(base) => std::iter::once(("as authored".to_owned(), World::AUTHORED, true))
+            .chain(worlds(quick))
+            .map(|(name, world, exact)| Row::of(name, row(&base, &world, exact)))
+            .collect(),
+    };
+    Table {
+        title: "Scale, offset, rotation",
+        text: format!(
+            "One yard with one sun. *Metric*: relative change of the metric at the matrix planned for the world as \
+             authored, carried over; limit {METRIC_EXACT:e} where f32 holds the same scene (*f32*: yes) and \
+             {METRIC_ROUNDED:e} where vertices round to other numbers. *Count*: wrong pixels at that matrix and size, as \
+             authored and here; limit 2 %. *Size*: as planned here, with its distance in steps of 1.02 along a side; limit 1. *Planned \
+             count*: wrong pixels at that size; limit 2 %. Where a size is more than a step away, the search for the \
+             smallest one ended at another that meets the bound: the limit is then that the world as authored has the same \
+             count at it (in brackets) within 2 %. *f32*: shift of a point when the matrix is rounded \
+             to f32, texels."
+        ),
+        columns: &["world", "f32", "metric", "count", "size", "steps", "planned count", "f32 texels"],
+        rows,
+    }
+}
