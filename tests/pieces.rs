@@ -161,6 +161,24 @@ fn every_mode_goes_in_pieces() {
 }
 
 #[test]
+fn a_budget_and_blending_over_time_are_settled_alike_in_pieces() {
+    let folder = folder();
+    for (seed, overrides) in [
+        "frames.range = '40-42'\nlight = [{ name = 'lamp' }]\nbudget = { texels_total = 20000 }",
+        "frames.range = '40-42'\nlight = [{ name = 'lamp' }]\nlookup = { temporal = 'reprojection' }\n\
+         shot = { temporal = 'per-frame' }",
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let whole = planned(folder.path(), overrides);
+        let (pieces, _) = in_pieces(folder.path(), overrides, &["41", "40", "42"], 20 + seed as u64);
+        assert!(pieces == whole, "{overrides}");
+        assert!(whole.contains(if seed == 0 { "\"budget\"" } else { "\"reprojected\"" }), "{overrides}");
+    }
+}
+
+#[test]
 fn what_is_wrong_with_parts_is_named() {
     let folder = folder();
     let dir = folder.path();
