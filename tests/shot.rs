@@ -278,6 +278,11 @@ fn segments_follow_their_limits_and_methods_of_one_camera_stay_alone() {
     assert!(free.summary.changes > 1, "texels alone are least frame by frame");
     assert!(two.summary.changes <= 1);
     assert_eq!(held.summary.changes, 0);
+    // Cuts are chosen by predicted sizes; measured ones of maps this small scatter by more than the gain.
+    let by_prediction =
+        |shot: &str| planned(folder.path(), &format!("quality = {{ measure = 'never' }}\n[shot]\n{shot}"));
+    let free = by_prediction("change_cost = 0.0\nminimise = 'sum'");
+    let held = by_prediction("change_cost = 0.0\nminimise = 'sum'\nhold = 'shot'");
     assert!(free.summary.texels < held.summary.texels);
     let focused = planned(folder.path(), "[solver]\nmethod = 'focused'");
     let temporal = focused.frames[2].lights[0].temporal.clone().unwrap();

@@ -4,7 +4,7 @@ use std::io;
 use std::process::ExitCode;
 
 use lixel::job::JobError;
-use lixel::plan::PlanError;
+use lixel::plan::{PartError, PlanError};
 use lixel::trade::TradeError;
 
 use super::flags::JobFlags;
@@ -17,6 +17,8 @@ pub(super) const FAILED: u8 = 1;
 pub(super) const BAD_INPUT: u8 = 2;
 /// The plan is written and a bound is not met.
 pub(super) const NOT_MET: u8 = 3;
+/// Parts are merged, and ask for another round.
+pub(super) const AGAIN: u8 = 4;
 /// Plus the number of a signal.
 pub(super) const SIGNAL_BASE: u8 = 128;
 
@@ -52,6 +54,8 @@ impl Failure {
                 | PlanError::NoGeometry
                 | PlanError::Pattern { .. },
             ) => BAD_INPUT,
+            Failure::Plan(PlanError::Part(PartError::Write { .. })) => FAILED,
+            Failure::Plan(PlanError::Part(_)) => BAD_INPUT,
             Failure::Plan(PlanError::Read { .. } | PlanError::Parse { .. } | PlanError::Schema { .. }) => BAD_INPUT,
             Failure::Stdout(error) if error.kind() == io::ErrorKind::BrokenPipe => MET,
             Failure::Setup(_) | Failure::Plan(_) | Failure::Stdout(_) => FAILED,

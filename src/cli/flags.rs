@@ -11,7 +11,7 @@ use super::exit::Failure;
 use super::values::{budget, integer, size, values};
 
 /// Flags over a job file, or over the defaults of a scene file.
-#[derive(Args)]
+#[derive(Clone, Args)]
 #[command(next_help_heading = "Over the job")]
 pub(super) struct JobFlags {
     /// Frames: 12, 1-240, 1-240x2, or several with commas
@@ -105,6 +105,11 @@ impl JobFlags {
             }
         }
         table
+    }
+
+    /// For a command whose `--frames` are those of a piece: the flags with the whole shot's frames, and the piece's.
+    pub(super) fn of_shot(&self, shot: Option<&str>) -> (JobFlags, Option<&str>) {
+        (JobFlags { frames: shot.map(str::to_owned), ..self.clone() }, self.frames.as_deref())
     }
 
     /// Refuses several temporal modes, for commands that plan once.

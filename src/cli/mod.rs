@@ -4,6 +4,7 @@ mod budget;
 mod compare;
 mod exit;
 mod flags;
+mod pieces;
 mod plan;
 mod progress;
 mod render;
@@ -47,6 +48,7 @@ Exit codes:
   1    a run-time failure, or a plan that verify found broken
   2    bad input or usage
   3    the plan is written, but a light does not meet its bound or a budget is too small
+  4    merge: another round of certify is needed
   130  stopped by SIGINT; 143 by SIGTERM";
 
 /// Flags of every command.
@@ -66,6 +68,10 @@ enum Command {
     Verify(verify::VerifyArgs),
     Render(render::RenderArgs),
     Compare(compare::CompareArgs),
+    Sample(pieces::SampleArgs),
+    Solve(pieces::SolveArgs),
+    Certify(pieces::CertifyArgs),
+    Merge(pieces::MergeArgs),
     Trade(trade::TradeArgs),
     Budget(budget::BudgetArgs),
     Schema(schema::SchemaArgs),
@@ -88,6 +94,10 @@ pub(crate) fn run(cli: Cli) -> ExitCode {
         Command::Verify(args) => verify::run(args, quiet, &signals),
         Command::Render(args) => render::run(args, quiet, &signals),
         Command::Compare(args) => compare::run(args, quiet, &signals),
+        Command::Sample(args) => pieces::sample(args, quiet, &signals),
+        Command::Solve(args) => pieces::solve(args, quiet, &signals),
+        Command::Certify(args) => pieces::certify(args, quiet, &signals),
+        Command::Merge(args) => pieces::merge(args, quiet, &signals),
         Command::Trade(args) => trade::run(args, quiet, &signals),
         Command::Budget(args) => budget::run(args, quiet, &signals),
         Command::Schema(args) => schema::run(args),

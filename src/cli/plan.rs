@@ -26,6 +26,7 @@ Examples:
   lixel plan scene.glb --camera Main --frames 1-240x2 --preset draft
   lixel plan shot.toml --budget 8M -o shot.plan.json
   lixel plan shot.toml --format toml | less
+  lixel plan shot.toml --work shot.work -o shot.plan.json     (again after an interruption: goes on)
   lixel plan shot.toml -o shot.plan.json --explain
   lixel plan shot.toml -o shot.plan.json --time-budget 50ms
 
@@ -36,9 +37,11 @@ pub(super) struct PlanArgs {
     /// Where the plan goes; `-` is standard output
     #[arg(long, short, value_name = "FILE", default_value = "-")]
     output: PathBuf,
-    /// Format of the plan [default: by the extension of FILE, else json]
-    #[arg(long, value_parser = values::<Format>())]
-    format: Option<String>,
+    #[command(flatten)]
+    format: FormatFlag,
+    /// Keep finished frames in this folder, and go on from there after an interruption
+    #[arg(long, value_name = "DIR", conflicts_with = "time_budget")]
+    work: Option<PathBuf>,
     /// Put wall times into the plan, which then differs from run to run
     #[arg(long)]
     timings: bool,
@@ -64,37 +67,19 @@ pub(super) struct PlanArgs {
 pub(super) fn run(args: &PlanArgs, quiet: bool, signals: &Signals) -> Result<ExitCode, Failure> {
     args.job.one_temporal()?;
     let job = lixel::job::load(&args.input, &args.job.overrides()).map_err(|e| Failure::job(e, &args.job))?;
-    let dest = if args.output == Path::new("-") { Dest::Stdout } else { Dest::File(args.output.clone()) };
-    dest.check()?;
-    let plan_dir = match &dest {
-        Dest::File(path) => path.parent().unwrap_or(Path::new("")),
-        Dest::Stdout => Path::new(""),
-    };
+    let dest = args.format.dest(&args.output)?;
     let plan = {
         let bar = Bar::new(quiet);
         let watch =
             Watch { progress: &|p| bar.show(p), cancel: signals.cancel(), notes: &|text| report::remark(quiet, text) };
         let plan = match budget(args, &job)? {
-            Some(budget) => lixel::trade::plan_within(&job, &budget, plan_dir, args.timings, &watch)?,
-            None => lixel::plan::make(&job, plan_dir, args.timings, &watch)?,
+            Some(budget) => lixel::trade::plan_within(&job, &budget, dest.dir(), args.timings, &watch)?,
+            None => lixel::plan::make_in(&job, dest.dir(), args.timings, args.work.as_deref(), &watch)?,
         };
         watch.check()?;
         plan
     };
-    lixel::plan::write(&plan, &dest, format(args, &dest))?;
-    if args.explain {
-        let text = lixel::plan::explain(&plan);
-        if dest == Dest::Stdout {
-            report::note(text.trim_end());
-        } else {
-            let mut out = std::io::stdout().lock();
-            out.write_all(text.as_bytes()).and_then(|()| out.flush()).map_err(Failure::Stdout)?;
-        }
-    }
-    if !quiet {
-        report::note(&summary(&plan));
-    }
-    Ok(ExitCode::from(if plan.summary.met { MET } else { NOT_MET }))
+    written(&plan, &dest, &args.format, args.explain, quiet)
 }
 
 /// The time that planning may take, and what it may be spent by.
@@ -105,14 +90,55 @@ fn budget(args: &PlanArgs, job: &LoadedJob) -> Result<Option<Budget>, Failure> {
     Ok(Some(Budget { seconds, model, measure: asked.then_some(job.job.quality.measure) }))
 }
 
-fn format(args: &PlanArgs, dest: &Dest) -> Format {
-    let name = match (&args.format, dest) {
-        (Some(name), _) => name.clone(),
-        (None, Dest::File(path)) => path.extension().unwrap_or_default().to_string_lossy().to_lowercase(),
-        (None, Dest::Stdout) => String::new(),
-    };
-    let parsed: Result<Format, serde::de::value::Error> = Format::deserialize(StrDeserializer::new(&name));
-    parsed.unwrap_or_default()
+/// How a plan is written.
+#[derive(Args)]
+pub(super) struct FormatFlag {
+    /// Format of the plan [default: by the extension of FILE, else json]
+    #[arg(long, value_parser = values::<Format>())]
+    format: Option<String>,
+}
+
+impl FormatFlag {
+    /// Where a plan goes, once that could be written to.
+    pub(super) fn dest(&self, output: &Path) -> Result<Dest, Failure> {
+        let dest = if output == Path::new("-") { Dest::Stdout } else { Dest::File(output.to_owned()) };
+        dest.check()?;
+        Ok(dest)
+    }
+
+    fn of(&self, dest: &Dest) -> Format {
+        let name = match (&self.format, dest) {
+            (Some(name), _) => name.clone(),
+            (None, Dest::File(path)) => path.extension().unwrap_or_default().to_string_lossy().to_lowercase(),
+            (None, Dest::Stdout) => String::new(),
+        };
+        let parsed: Result<Format, serde::de::value::Error> = Format::deserialize(StrDeserializer::new(&name));
+        parsed.unwrap_or_default()
+    }
+}
+
+/// Writes a plan and says what it came to.
+pub(super) fn written(
+    plan: &Plan,
+    dest: &Dest,
+    format: &FormatFlag,
+    explain: bool,
+    quiet: bool,
+) -> Result<ExitCode, Failure> {
+    lixel::plan::write(plan, dest, format.of(dest))?;
+    if explain {
+        let text = lixel::plan::explain(plan);
+        if *dest == Dest::Stdout {
+            report::note(text.trim_end());
+        } else {
+            let mut out = std::io::stdout().lock();
+            out.write_all(text.as_bytes()).and_then(|()| out.flush()).map_err(Failure::Stdout)?;
+        }
+    }
+    if !quiet {
+        report::note(&summary(plan));
+    }
+    Ok(ExitCode::from(if plan.summary.met { MET } else { NOT_MET }))
 }
 
 /// The outcome in a few lines: what was planned, and what does not meet its bound.

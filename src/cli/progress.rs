@@ -17,7 +17,7 @@ impl Bar {
         let bar = ProgressBar::new(0);
         bar.set_draw_target(if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() });
         // The template is a constant; should it ever be wrong, indicatif's own style serves.
-        let style = ProgressStyle::with_template("{msg:8} {wide_bar} {pos}/{len} {elapsed} (left {eta})")
+        let style = ProgressStyle::with_template("{msg:9} {wide_bar} {pos}/{len} {elapsed} (left {eta})")
             .unwrap_or_else(|_| ProgressStyle::default_bar());
         bar.set_style(style);
         // Loading has two steps only: the clock shows that it goes on.
@@ -30,9 +30,10 @@ impl Bar {
         self.bar.set_message(match progress.stage {
             Stage::Load => "loading",
             Stage::Samples => "frames",
+            Stage::Solve => "solving",
+            Stage::Lights => "measuring",
             Stage::Flicker => "flicker",
             Stage::Budget => "budget",
-            Stage::Lights => "lights",
             Stage::Points => "points",
         });
         self.bar.set_length(progress.total);

@@ -46,18 +46,18 @@ fn e_is_along(space: &LightSpace) -> bool {
     space.directional || space.offset.z > AHEAD * space.offset.length()
 }
 
+/// The v of a scene point.
+pub(super) fn vector(space: &LightSpace, p: DVec3) -> DVec4 {
+    space.q(p).extend(if e_is_along(space) { space.along(p) } else { 1.0 })
+}
+
 /// The constant 1 as a row on v.
-fn constant(space: &LightSpace) -> DVec4 {
+pub(super) fn constant(space: &LightSpace) -> DVec4 {
     match (space.directional, e_is_along(space)) {
         (true, _) => DVec4::Z,
         (false, true) => DVec4::new(0.0, 0.0, 1.0 / space.offset.z, -1.0 / space.offset.z),
         (false, false) => DVec4::W,
     }
-}
-
-/// v of a scene point.
-pub(super) fn vector(space: &LightSpace, p: DVec3) -> DVec4 {
-    space.q(p).extend(if e_is_along(space) { space.along(p) } else { 1.0 })
 }
 
 /// v of the point on a lamp's ray through that of `v`, so many times as far from the lamp: q is proportional to the distance,
@@ -107,7 +107,7 @@ impl<'a> Kept<'a> {
         kept
     }
 
-    /// What lies in the hull of points v/w, such as the [`Kept::extremes`] of several frames.
+    /// What lies in the hull of points v/w, v/w under the same homography.
     pub fn of_points(space: &LightSpace, h: &DMat3, points: Vec<DVec4>) -> Kept<'a> {
         let planes = [DVec4::ZERO; 6];
         let empty = points.is_empty();
@@ -195,14 +195,14 @@ impl Kept<'_> {
 
 /// Scratch of clipping.
 #[derive(Default)]
-struct Polygon {
-    corners: Vec<DVec4>,
+pub(super) struct Polygon {
+    pub(super) corners: Vec<DVec4>,
     clipped: Vec<DVec4>,
 }
 
 impl Polygon {
     /// The part of a triangle inside half-spaces.
-    fn clip(&mut self, triangle: [DVec4; 3], planes: &[DVec4]) {
+    pub(super) fn clip(&mut self, triangle: [DVec4; 3], planes: &[DVec4]) {
         self.corners.clear();
         self.corners.extend(triangle);
         for plane in planes {

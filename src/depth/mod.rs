@@ -12,14 +12,15 @@
 //! looks the map up. Both are one linear program on homogeneous vectors (q, e) with e = d, the distance along the light.
 
 mod bias;
-mod extremes;
 mod kept;
+mod reach;
 mod row;
 mod unseen;
 mod visible;
 
 pub use bias::{BiasUnits, CONSTANT_F32, bias_units};
 pub use kept::Kept;
+pub use reach::reach;
 pub use row::{DepthError, DepthRow, FINER, RowKind, fit_row};
 pub use unseen::Unseen;
 pub use visible::Visible;

@@ -3,9 +3,10 @@
 use super::kept::Kept;
 use glam::DVec4;
 use microlp::{ComparisonOp, OptimizationDirection, Problem, SolveOutcome};
+use serde::{Deserialize, Serialize};
 
 /// Row 3 of a light matrix and the range it spans.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 pub struct DepthRow {
     /// On (X, 1), scene space.
     pub row: DVec4,

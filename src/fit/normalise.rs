@@ -1,9 +1,10 @@
 //! Coordinates in which the sums are well scaled (Hartley's normalisation, math note §1).
 
 use glam::{DMat2, DMat3, DVec2, DVec3};
+use serde::{Deserialize, Serialize};
 
 /// An affine change of coordinates of the light plane.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 pub struct Normalisation {
     /// Acts on q; its last row is (0, 0, 1).
     pub normal_from_plane: DMat3,

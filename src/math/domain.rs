@@ -6,9 +6,10 @@
 
 use super::RigidMotion;
 use glam::{DVec2, DVec3, DVec4};
+use serde::{Deserialize, Serialize};
 
 /// Which points look a map up.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub enum Domain {
     /// Every point.
     All,

@@ -12,9 +12,10 @@
 use super::RigidMotion;
 use crate::scene::{Light, LightKind};
 use glam::{DMat3, DMat4, DVec3, DVec4};
+use serde::{Deserialize, Serialize};
 
 /// The plane of one light, for one set of covered points.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 pub struct LightSpace {
     /// Rows r1, r2, r3 of R: right, up, forward.
     pub axes: [DVec3; 3],

@@ -1,9 +1,10 @@
 //! Rotations with a translation.
 
 use glam::{DMat3, DMat4, DVec3};
+use serde::{Deserialize, Serialize};
 
 /// X ↦ rotation X + translation.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 pub struct RigidMotion {
     /// Orthonormal, det = 1.
     pub rotation: DMat3,

@@ -7,6 +7,7 @@ use super::{Counts, Receivers};
 use crate::scene::{Camera, Light};
 use crate::visibility::{Answer, RayOffset, Tracer, View, answer};
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 use std::sync::atomic::{AtomicU8, Ordering};
 
 /// A surface within this angle of edge-on to the light has no certain answer, degrees: normals of a scanned or tessellated
@@ -33,7 +34,7 @@ const CERTAIN: u8 = 1;
 const UNCERTAIN: u8 = 2;
 
 /// Wrong pixels of one light.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
 pub struct Verdict {
     /// Wrong pixels with a certain exact answer.
     pub certain: Counts,

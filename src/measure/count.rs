@@ -38,7 +38,7 @@ pub struct Drawn {
 }
 
 /// Wrong answers.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 pub struct Counts {
     /// In shadow, answered lit.
     pub false_lit: u64,

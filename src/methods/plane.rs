@@ -6,6 +6,7 @@ use crate::math::{LightSpace, convex_hull, without_flat};
 use crate::metric::{EdgeSamples, volume};
 use crate::samples::EdgePoint;
 use glam::{DMat3, DVec2, DVec3};
+use serde::{Deserialize, Serialize};
 
 /// Smallest |V| relative to |q| |T_1| |T_2|: a receiver nearer to edge-on is left out, and counted. At 1e-7 a texel is
 /// spread over ten million pixels' worth of surface; f64 sums still hold its square.
@@ -50,7 +51,7 @@ pub(super) fn edge_samples(
 }
 
 /// A region in its light plane.
-#[derive(Debug)]
+#[derive(Debug, Deserialize, Serialize)]
 pub(super) struct Plane {
     pub(super) space: LightSpace,
     /// Normalised hull of what is covered; at least 3 vertices.

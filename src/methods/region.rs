@@ -6,10 +6,11 @@ use crate::math::{Domain, LightSpace, RigidMotion};
 use crate::metric::{Metric, TexelRows, cost, inverse_jacobian_norm2};
 use crate::samples::EdgePoint;
 use glam::{DMat3, DVec2, DVec3};
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 /// How a method came to its matrix.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 pub struct Report {
     /// Evaluations of the affine step.
     pub evaluations: u64,
@@ -43,7 +44,7 @@ impl Report {
 }
 
 /// A homography of a light plane and the points that look it up.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Deserialize, Serialize)]
 pub struct Region {
     /// Which points look this map up.
     pub domain: Domain,

@@ -19,11 +19,12 @@ pub use moments::Moments;
 pub use weights::{Metric, cost, cost_and_moments, moments_of};
 
 use glam::{DVec2, DVec3};
+use serde::{Deserialize, Serialize};
 
 /// Edge samples of one light in one light plane: structure of arrays, all of equal length. q and T are divided by q3
 /// and in normalised coordinates, so that sums over them are well scaled. What sums need again and again is worked out
 /// once, in [`EdgeSamples::push`].
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 pub struct EdgeSamples {
     /// Light-plane vectors with q3 = 1.
     pub q: Vec<DVec3>,

@@ -3,7 +3,7 @@
 //! Flicker is measured from the plan's own matrices, as `verify` does; where the renderer blends answers over time, what it
 //! shows is too.
 
-use super::remeasure::{Before, Seeing, remeasure};
+use super::remeasure::{Before, Left, Seeing, remeasure};
 use super::reproject::Steps;
 use super::stage::{Posed, Stages, measures};
 use super::{FramePlan, LightTemporal, PlanError, Stage, Watch, reproject};
@@ -21,7 +21,7 @@ pub(super) fn complete(stages: &Stages, frames: &mut [FramePlan], watch: &Watch)
     if !measures(stages.job) {
         return Ok(());
     }
-    let (shot, params) = (stages.shot, &stages.job.map);
+    let (shot, params, temporal) = (stages.shot, &stages.job.map, stages.job.lookup.is_temporal());
     let mut before: Option<Before> = None;
     let total = frames.len() as u64;
     for (k, planned) in frames.iter_mut().enumerate() {
@@ -49,7 +49,7 @@ pub(super) fn complete(stages: &Stages, frames: &mut [FramePlan], watch: &Watch)
             let same =
                 before.as_ref().filter(|_| reused).and_then(|b| b.maps_of(&entry.light)).filter(|m| !m.is_empty());
             let mut measured = remeasure(&seeing, light, &entry.maps, params, same.map(Arc::clone))?;
-            if stages.job.lookup.is_temporal() {
+            if temporal {
                 if let Some(smaller) = steps.smaller(stages, light, entry, &measured)? {
                     (*entry, measured) = smaller;
                 }
@@ -62,7 +62,13 @@ pub(super) fn complete(stages: &Stages, frames: &mut [FramePlan], watch: &Watch)
             }
             maps.push((entry.light.clone(), measured.drawn));
         }
-        before = Some(Before { number: planned.frame, posed, offset, maps, view, caches });
+        before = Some(Before {
+            number: planned.frame,
+            posed,
+            offset,
+            maps,
+            left: temporal.then_some(Left { view, caches }),
+        });
     }
     watch.step(Stage::Flicker, total, total)
 }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
-use super::SCHEMA;
+use super::{PartError, SCHEMA};
 use crate::aov::AovError;
 use crate::raster::RasterError;
 use crate::scene::SceneError;
@@ -35,6 +35,9 @@ pub enum PlanError {
     /// A map that cannot be drawn.
     #[error(transparent)]
     Raster(#[from] RasterError),
+    /// A part of a shot, or what parts do not come to.
+    #[error(transparent)]
+    Part(#[from] PartError),
     /// Frames that a renderer does not show one after the other.
     #[error(
         "lookup.temporal = \"reprojection\" needs consecutive frames, and frame {after} follows frame {before}: plan every \

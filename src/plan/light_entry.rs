@@ -8,8 +8,8 @@ use crate::math::first_holding;
 use crate::measure::{EDGE_ON_DEGREES, Outside, Receivers};
 use crate::methods::Region;
 use crate::resolution::{self, Bound, Certified, FittedLight, Judge, JudgedMap, certify, fit_light, predict_only};
-use crate::samples::LightSamples;
 use crate::scene::{Camera, Film, Light, VisibilitySource};
+use crate::shot::in_frame;
 use crate::visibility::{Answer, Surface, Tracer, View};
 use glam::DVec3;
 use std::time::Instant;
@@ -17,19 +17,16 @@ use std::time::Instant;
 /// Most visible points kept for bias, witnesses and round trips.
 const SEEN_MAX: usize = 4096;
 
-/// What may replace the regions that were fitted for a frame.
-pub(crate) type Choose<'a> = dyn FnMut(FittedLight, &LightSamples) -> FittedLight + 'a;
-
-/// Plans one light. `timings` adds wall time; `choose` has the last word on the regions before sizes are measured.
+/// Plans one light. `timings` adds wall time; `given` are the regions to measure, where they are not to be fitted here.
 pub(super) fn light_entry(
     stage: &FrameStage,
     light: &Light,
     job: &Job,
     timings: bool,
-    choose: Option<&mut Choose>,
+    given: Option<&FittedLight>,
 ) -> Result<LightPlan, PlanError> {
     let start = Instant::now();
-    let (mut entry, _) = plan_light(stage, light, job, choose)?;
+    let (mut entry, _) = plan_light(stage, light, job, given)?;
     if timings {
         entry.cost.milliseconds = Some(start.elapsed().as_secs_f64() * 1e3);
     }
@@ -51,14 +48,14 @@ pub(crate) fn plan_light(
     stage: &FrameStage,
     light: &Light,
     job: &Job,
-    choose: Option<&mut Choose>,
+    given: Option<&FittedLight>,
 ) -> Result<(LightPlan, Option<Settled>), PlanError> {
     let mut entry = LightPlan::unplanned(light, job.quality.epsilon());
     entry.images = stage.images.map(|_| FromImages::of(light, job));
     let lit = stage.look(light, job);
     entry.cost.samples = lit.samples.edges.len() as u64;
     entry.cost.rays = stage.rays_share + lit.rays;
-    let settled = settle(stage, light, job, &lit, &mut entry, choose)?;
+    let settled = settle(stage, light, job, &lit, &mut entry, given)?;
     Ok((entry, settled))
 }
 
@@ -69,7 +66,7 @@ fn settle(
     job: &Job,
     lit: &Lit,
     entry: &mut LightPlan,
-    choose: Option<&mut Choose>,
+    given: Option<&FittedLight>,
 ) -> Result<Option<Settled>, PlanError> {
     let (samples, film, answers) = (&lit.samples, lit.film.as_ref(), &lit.answers);
     let (facing, shadowed) = match film {
@@ -82,17 +79,17 @@ fn settle(
         return Ok(None);
     }
     let question = stage.question(light, job);
-    let mut fitted = match fit_light(&question, samples, film) {
+    let found = match given {
+        Some(given) => Ok(FittedLight { regions: in_frame(&given.regions, &samples.edges), ..given.clone() }),
+        None => fit_light(&question, samples, film),
+    };
+    let mut fitted = match found {
         Ok(fitted) => fitted,
         Err(reason) => {
             (entry.status, entry.reason) = (Status::Inapplicable, Some(reason.to_string()));
             return Ok(None);
         }
     };
-    let given = choose.is_some();
-    if let Some(choose) = choose {
-        fitted = choose(fitted, samples);
-    }
     let seen = seen(stage, answers, film);
     let (maps, certified) = match (film, stage.view) {
         (Some(film), Some(view)) => {
@@ -104,7 +101,7 @@ fn settle(
                     return Ok(None);
                 }
             };
-            let certified = if given {
+            let certified = if given.is_some() {
                 certify(&question, &fitted, &mut judge)?
             } else {
                 resolution::choose(&question, samples, &mut fitted, &mut judge)?

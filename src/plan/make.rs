@@ -1,19 +1,18 @@
-//! From a job to a plan: the stages in order, frame by frame.
+//! From a job to a plan: its files before the stages (`pieces`), and the whole after them.
 
 use std::path::Path;
 use std::time::Instant;
 
-use super::light_entry::light_entry;
+use super::pieces::planned;
 use super::stage::Stages;
 use super::{
     FramePlan, LightPlan, Plan, PlanCamera, PlanError, PlannedJob, Stage, Timings, Watch, across, budget, hash_inputs,
-    images, relative_path, whole_shot,
+    images, make_in, relative_path,
 };
 use crate::aov::Images;
 use crate::job::{Job, LoadedJob};
 use crate::math::rows_of;
 use crate::scene::{self, Camera, Film, FrameTime, Shot, ShotParams, ShownByImages, VisibilitySource};
-use crate::shot::Temporal;
 
 /// Reads the files of a job that is planned from geometry.
 pub(crate) fn load_shot(job: &LoadedJob) -> Result<Shot, PlanError> {
@@ -62,7 +61,20 @@ const LOAD_STEPS: u64 = 2;
 /// # Errors
 /// [`PlanError::Cancelled`] soon after the watch asks to stop; else what stands in the way.
 pub fn make(loaded: &LoadedJob, plan_dir: &Path, timings: bool, watch: &Watch) -> Result<Plan, PlanError> {
-    open(loaded, watch, |stages, opening| plan_on(loaded, stages, plan_dir, timings.then_some(opening), watch))
+    make_in(loaded, plan_dir, timings, None, watch)
+}
+
+/// A job with its files read.
+pub(super) struct Loaded<'a> {
+    /// As it was given.
+    pub(super) given: &'a LoadedJob,
+    /// In scene space.
+    pub(super) job: Job,
+    pub(super) shot: Shot,
+    /// Planned from, where the job says so.
+    images: Option<Images>,
+    begin: Instant,
+    load_s: f64,
 }
 
 /// When a job was opened, and what that took.
@@ -71,6 +83,40 @@ pub(crate) struct Opening {
     begin: Instant,
     load_s: f64,
     sort_s: f64,
+}
+
+impl<'a> Loaded<'a> {
+    /// Reads the files of a job whose shot is to be planned.
+    pub(super) fn new(given: &'a LoadedJob, watch: &Watch) -> Result<Loaded<'a>, PlanError> {
+        let loaded = Loaded::read(given, watch)?;
+        consecutive(&loaded.shot, &loaded.job)?;
+        Ok(loaded)
+    }
+
+    fn read(given: &'a LoadedJob, watch: &Watch) -> Result<Loaded<'a>, PlanError> {
+        let begin = Instant::now();
+        watch.step(Stage::Load, 0, LOAD_STEPS)?;
+        let (shot, images) = load_either(given)?;
+        let load_s = begin.elapsed().as_secs_f64();
+        watch.step(Stage::Load, 1, LOAD_STEPS)?;
+        for note in &shot.scene.notes {
+            watch.note(note);
+        }
+        if let Some(images) = &images {
+            watch.note(images::NOTE);
+            images.notes.iter().for_each(|note| watch.note(note));
+        }
+        Ok(Loaded { given, job: in_scene_space(&given.job, &shot), shot, images, begin, load_s })
+    }
+
+    /// Sorts the still triangles.
+    pub(super) fn stages(&self, watch: &Watch) -> Result<(Stages<'_>, Opening), PlanError> {
+        let start = Instant::now();
+        let stages = Stages::new(&self.shot, &self.job, self.images.as_ref());
+        let sort_s = start.elapsed().as_secs_f64();
+        watch.step(Stage::Load, LOAD_STEPS, LOAD_STEPS)?;
+        Ok((stages, Opening { begin: self.begin, load_s: self.load_s, sort_s }))
+    }
 }
 
 /// Reads the files of a job, sets the stages of its frames and hands them over.
@@ -82,23 +128,9 @@ pub(crate) fn open<R>(
     watch: &Watch,
     work: impl FnOnce(&Stages, &Opening) -> Result<R, PlanError>,
 ) -> Result<R, PlanError> {
-    let begin = Instant::now();
-    watch.step(Stage::Load, 0, LOAD_STEPS)?;
-    let (shot, images) = load_either(loaded)?;
-    let load_s = begin.elapsed().as_secs_f64();
-    watch.step(Stage::Load, 1, LOAD_STEPS)?;
-    let job = in_scene_space(&loaded.job, &shot);
-    for note in &shot.scene.notes {
-        watch.note(note);
-    }
-    if let Some(images) = &images {
-        watch.note(images::NOTE);
-        images.notes.iter().for_each(|note| watch.note(note));
-    }
-    let stages = Stages::new(&shot, &job, images.as_ref());
-    let sort_s = begin.elapsed().as_secs_f64() - load_s;
-    watch.step(Stage::Load, LOAD_STEPS, LOAD_STEPS)?;
-    work(&stages, &Opening { begin, load_s, sort_s })
+    let loaded = Loaded::read(loaded, watch)?;
+    let (stages, opening) = loaded.stages(watch)?;
+    work(&stages, &opening)
 }
 
 /// Plans a shot on stages that were set for it, with wall times where its opening is given.
@@ -112,17 +144,37 @@ pub(crate) fn plan_on(
     opening: Option<&Opening>,
     watch: &Watch,
 ) -> Result<Plan, PlanError> {
-    let (shot, job) = (stages.shot, stages.job);
-    if job.lookup.is_temporal()
-        && let Some(gap) = shot.frames.windows(2).find(|w| w[1].frame != w[0].frame + 1)
-    {
-        return Err(PlanError::NotConsecutive { before: gap[0].frame, after: gap[1].frame });
+    consecutive(stages.shot, stages.job)?;
+    let frames = planned(stages, opening.is_some(), watch)?;
+    finished(loaded, stages, frames, plan_dir, opening, watch)
+}
+
+/// Whether the frames are those that a renderer shows one after the other, where that is asked.
+fn consecutive(shot: &Shot, job: &Job) -> Result<(), PlanError> {
+    let gap = shot.frames.windows(2).find(|w| w[1].frame != w[0].frame + 1);
+    match gap {
+        Some(gap) if job.lookup.is_temporal() => {
+            Err(PlanError::NotConsecutive { before: gap[0].frame, after: gap[1].frame })
+        }
+        _ => Ok(()),
     }
-    let mut frames = planned(stages, opening.is_some(), watch)?;
+}
+
+/// The plan of frames that were planned by epsilon: within the job's budget, and as a renderer shows them that blends answers
+/// over time.
+pub(super) fn finished(
+    loaded: &LoadedJob,
+    stages: &Stages,
+    mut frames: Vec<FramePlan>,
+    plan_dir: &Path,
+    opening: Option<&Opening>,
+    watch: &Watch,
+) -> Result<Plan, PlanError> {
+    let (shot, job) = (stages.shot, stages.job);
     if job.budget.is_given() {
         budget::within(stages, &mut frames, watch)?;
     }
-    if shot.frames.len() > 1 {
+    if frames.len() > 1 && (job.budget.is_given() || job.lookup.is_temporal()) {
         across::complete(stages, &mut frames, watch)?;
     }
     let inputs = hash_inputs(&shot.scene.inputs, plan_dir)?;
@@ -146,34 +198,6 @@ pub(crate) fn plan_on(
 /// A job whose settings in world space are in that of a shot's scene.
 pub(crate) fn in_scene_space(job: &Job, shot: &Shot) -> Job {
     Job { solver: job.solver.in_scene_space(shot.scene.origin), ..job.clone() }
-}
-
-/// The frames of a shot, planned by epsilon.
-pub(super) fn planned(stages: &Stages, timings: bool, watch: &Watch) -> Result<Vec<FramePlan>, PlanError> {
-    let mode = if stages.len() > 1 { stages.job.shot.temporal } else { Temporal::PerFrame };
-    match mode {
-        Temporal::PerFrame => per_frame(stages, timings, watch),
-        _ => whole_shot::plan(stages, timings, watch),
-    }
-}
-
-/// Each frame for itself.
-fn per_frame(stages: &Stages, timings: bool, watch: &Watch) -> Result<Vec<FramePlan>, PlanError> {
-    let mut done = 0;
-    let mut frame_plan = |k: usize| {
-        stages.with(k, |stage, frame| {
-            let total = (stages.len() * frame.lights.len()) as u64;
-            let mut lights = Vec::with_capacity(frame.lights.len());
-            for light in &frame.lights {
-                watch.step(Stage::Lights, done, total)?;
-                lights.push(light_entry(stage, light, stages.job, timings, None)?);
-                done += 1;
-            }
-            watch.step(Stage::Lights, done, total)?;
-            Ok(frame_entry(stages.time(k), &frame.camera, stage.film, lights))
-        })
-    };
-    (0..stages.len()).map(&mut frame_plan).collect()
 }
 
 /// A frame of the plan.

@@ -46,9 +46,15 @@ pub(super) struct Before {
     pub(super) offset: RayOffset,
     /// The maps of each light, by name, as drawn.
     pub(super) maps: Vec<(String, Arc<Vec<Drawn>>)>,
+    /// What a renderer that blends answers over time kept; `None` for one that does not.
+    pub(super) left: Option<Left>,
+}
+
+/// What a frame leaves to a renderer that blends answers over time.
+pub(super) struct Left {
     /// What its camera saw.
     pub(super) view: View,
-    /// What a renderer that blends answers over time kept of each light, by name; empty for one that does not.
+    /// What is kept of each light, by name.
     pub(super) caches: Vec<(String, Cache)>,
 }
 
@@ -56,18 +62,30 @@ impl Before {
     /// Flicker of a light of the frame `now` since this one; `None` for a light that was not there.
     pub(super) fn flicker(
         &self,
-        (shot, still): (&Shot, &Bvh),
+        of_shot: (&Shot, &Bvh),
         earlier: &[Option<Earlier>],
         light: &str,
         now: &Remeasured,
         outside: Outside,
     ) -> Option<Flicker> {
+        let maps_then = self.maps_of(light)?;
+        self.flicker_of(of_shot, earlier, (light, maps_then), (&now.receivers, &now.drawn), outside)
+    }
+
+    /// The same with the light's maps then, and receivers and maps now.
+    pub(super) fn flicker_of(
+        &self,
+        (shot, still): (&Shot, &Bvh),
+        earlier: &[Option<Earlier>],
+        (light, maps_then): (&str, &[Drawn]),
+        (receivers, maps_now): (&Receivers, &[Drawn]),
+        outside: Outside,
+    ) -> Option<Flicker> {
         let tracer = self.posed.tracer(shot, still);
         let then = self.posed.frame.lights.iter().find(|l| l.name == light)?;
-        let maps_then = self.maps_of(light)?;
         let moment = self.moment(&tracer, shot.film);
-        let pair = LightThenNow { then, maps_then, maps_now: &now.drawn };
-        let found = flicker(&moment, earlier, &now.receivers, &pair, outside);
+        let pair = LightThenNow { then, maps_then, maps_now };
+        let found = flicker(&moment, earlier, receivers, &pair, outside);
         Some(Flicker { since: self.number, still: found.still, moved: found.moved, compared: found.compared })
     }
 

@@ -34,12 +34,13 @@ impl Steps<'_> {
         let power = self.job.lookup.confidence_power;
         let without = || blend(None, pixels, &measured.receivers, drawn, map.outside, power);
         let (Some(before), Some(earlier)) = (self.before, self.earlier) else { return without() };
-        let kept = before.caches.iter().find(|(name, _)| name == light);
+        let Some(left) = &before.left else { return without() };
+        let kept = left.caches.iter().find(|(name, _)| name == light);
         let then = before.posed.frame.lights.iter().find(|l| l.name == light);
         let (Some((_, cache)), Some(then)) = (kept, then) else { return without() };
         let tracer = before.posed.tracer(self.shot, self.still);
         let moment = before.moment(&tracer, self.shot.film);
-        let past = Past { moment, view: &before.view, light: then, cache, earlier };
+        let past = Past { moment, view: &left.view, light: then, cache, earlier };
         blend(Some(&past), pixels, &measured.receivers, drawn, map.outside, power)
     }
 

@@ -10,7 +10,7 @@ use crate::methods::Region;
 use crate::resolution::{FilmQuestion, JudgedMap};
 use crate::samples::{Grid, GridView, LightSamples, LightView, sample_light};
 use crate::scene::{Camera, Film, FrameTime, Light, SceneFrame, Shot};
-use crate::shot::Content;
+use crate::shot::Temporal;
 use crate::visibility::{Answer, Bvh, RayOffset, Tracer, View, classify, see};
 use glam::DVec3;
 use std::sync::Arc;
@@ -29,8 +29,6 @@ pub(crate) struct FrameStage<'a> {
     pub(super) rays_share: u64,
     /// A renderer's images of the frame, asked instead of rays; there are no triangles then, no view and no grid.
     pub(super) images: Option<&'a ImagesFrame>,
-    /// Place of the frame in the shot.
-    pub(super) place: usize,
 }
 
 /// What rays say of one light of a frame.
@@ -84,20 +82,6 @@ impl FrameStage<'_> {
         Lit { answers, film, samples, rays }
     }
 
-    /// The points that look a light's maps up: pixels, or planning-grid positions where nothing is measured.
-    pub(super) fn visible(&self, light: &Light) -> Vec<DVec3> {
-        let FrameStage { tracer, camera, offset, .. } = *self;
-        match (self.images, self.view) {
-            (Some(images), _) => images::receivers(images, light).positions,
-            (_, Some(view)) => Receivers::classify(tracer, view, camera, light, offset).positions,
-            _ => {
-                let answers = self.grid.answers(tracer, camera, light, offset);
-                let facing = (0..answers.len()).filter(|i| answers[*i] != Answer::Unlit);
-                facing.filter_map(|i| self.grid.surface(tracer, camera, i)).map(|s| s.position).collect()
-            }
-        }
-    }
-
     /// What the depth range of a region's map has to hold, given the visible points that may look it up.
     pub(super) fn kept(&self, region: &Region, visible: &[DVec3], light: &Light, job: &Job) -> Kept<'_> {
         match self.images {
@@ -106,15 +90,6 @@ impl FrameStage<'_> {
                 let unseen = images::unseen(light, job, self.bounds);
                 Kept::of_visible(&region.space, &region.h, visible, &region.domain, &unseen)
             }
-        }
-    }
-
-    /// The moving triangles that stand in the maps of regions; what is not known is not that of any other frame.
-    pub(super) fn content(&self, regions: &[Region]) -> Content {
-        if self.images.is_some() {
-            Content::unknown(self.place)
-        } else {
-            Content::in_maps(self.tracer.geometry(), regions)
         }
     }
 }
@@ -181,7 +156,7 @@ impl<'a> Stages<'a> {
         frame: usize,
         work: impl FnOnce(&FrameStage, &SceneFrame) -> Result<R, PlanError>,
     ) -> Result<R, PlanError> {
-        self.set(frame, true, work)
+        Ok(self.set(frame, true, work)?.0)
     }
 
     /// The same for who asks the film alone: where it is measured, the planning grid is empty.
@@ -193,15 +168,19 @@ impl<'a> Stages<'a> {
         frame: usize,
         work: impl FnOnce(&FrameStage, &SceneFrame) -> Result<R, PlanError>,
     ) -> Result<R, PlanError> {
-        self.set(frame, !measures(self.job), work)
+        Ok(self.set(frame, !measures(self.job), work)?.0)
     }
 
-    fn set<R>(
+    /// Sets the stage of a frame, with its planning grid seen or empty, and hands it over; gives back the posed frame.
+    ///
+    /// # Errors
+    /// When the frame has no pose; and those of `work`.
+    pub(super) fn set<R>(
         &self,
         place: usize,
         grid: bool,
         work: impl FnOnce(&FrameStage, &SceneFrame) -> Result<R, PlanError>,
-    ) -> Result<R, PlanError> {
+    ) -> Result<(R, Posed), PlanError> {
         let (shot, job) = (self.shot, self.job);
         let time = self.time(place);
         let posed = Posed::new(shot, time.time_s)?;
@@ -231,9 +210,14 @@ impl<'a> Stages<'a> {
             offset: RayOffset::for_scene(&tracer),
             rays_share: (primary / frame.lights.len().max(1)) as u64,
             images: images.as_ref(),
-            place,
         };
-        work(&stage, frame)
+        let done = work(&stage, frame)?;
+        Ok((done, posed))
+    }
+
+    /// The mode by which the shot is planned: one frame has no other.
+    pub(super) fn mode(&self) -> Temporal {
+        if self.len() > 1 { self.job.shot.temporal } else { Temporal::PerFrame }
     }
 }
 

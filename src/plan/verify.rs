@@ -22,7 +22,7 @@ use across::Across;
 use serde::Serialize;
 
 use super::make::load_either;
-use super::remeasure::{Before, Seeing};
+use super::remeasure::{Before, Left, Seeing};
 use super::reproject::Steps;
 use super::stage::Posed;
 use super::{Input, Plan, PlanError, Stage, Watch, sha256_hex};
@@ -161,7 +161,8 @@ fn measure(plan: &Plan, shot: &Shot, found: &mut Verification, watch: &Watch) ->
             found.lights.push(check);
         }
         let offset = seeing.offset;
-        across.before = Some(Before { number: planned.frame, posed, offset, maps, view, caches });
+        let left = plan.job.job.lookup.is_temporal().then_some(Left { view, caches });
+        across.before = Some(Before { number: planned.frame, posed, offset, maps, left });
     }
     watch.step(Stage::Lights, total, total)
 }

@@ -11,7 +11,9 @@ pub enum Stage {
     Load,
     /// Sampling the frames of a shot; counted in frames.
     Samples,
-    /// Planning, measuring or drawing; counted in lights of frames.
+    /// Cutting a shot into segments and deciding them; counted in lights.
+    Solve,
+    /// Measuring or drawing; counted in frames of a shot, or in its lights.
     Lights,
     /// Measuring planned maps at other sizes; counted in lights of frames.
     Budget,

@@ -69,6 +69,14 @@ pub fn write(plan: &Plan, dest: &Dest, format: Format) -> Result<(), PlanError> 
 }
 
 impl Dest {
+    /// The folder that a plan's paths are relative to: the working folder for standard output.
+    pub fn dir(&self) -> &Path {
+        match self {
+            Dest::File(path) => path.parent().unwrap_or(Path::new("")),
+            Dest::Stdout => Path::new(""),
+        }
+    }
+
     /// Finds out before the work whether the plan could be written after it.
     ///
     /// # Errors
@@ -138,7 +146,7 @@ fn check_finite(plan: &Plan) -> Result<(), PlanError> {
     Ok(())
 }
 
-fn check_part(key: &str, part: &impl Serialize) -> Result<(), PlanError> {
+pub(super) fn check_part(key: &str, part: &impl Serialize) -> Result<(), PlanError> {
     let value =
         Value::try_from(part).map_err(|e| PlanError::Encode { format: "TOML", message: format!("{key}: {e}") })?;
     walk(key, &value)

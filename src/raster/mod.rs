@@ -30,6 +30,7 @@ use rayon::prelude::*;
 
 use crate::scene::{Geometry, Room};
 use bins::Bins;
+use serde::{Deserialize, Serialize};
 use view::View;
 
 /// Largest map width and height, texels: what GPUs offer; edge functions stay exact far beyond it.
@@ -57,7 +58,7 @@ pub struct DepthMap {
 }
 
 /// Depth added to what is stored: `constant + min(slope * max(|z_u|, |z_v|), clamp)`, as GL's polygon offset.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 pub struct Bias {
     /// Window depth.
     pub constant: f64,

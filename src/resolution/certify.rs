@@ -11,9 +11,10 @@ use crate::measure::{Drawn, Verdict};
 use crate::methods::Prediction;
 use crate::raster::{Bias, RasterError};
 use crate::samples::LightSamples;
+use serde::{Deserialize, Serialize};
 
 /// One size that was tried.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub struct Trial {
     /// Texels of each map.
     pub sizes: Vec<[u32; 2]>,

@@ -9,6 +9,7 @@ use crate::methods::{Inapplicable, Inputs, Prediction, Region, SolverParams, hel
 use crate::samples::LightSamples;
 use crate::scene::{Camera, Film, Light};
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 
 /// What is asked of one light in one frame.
 #[derive(Clone, Copy)]
@@ -32,7 +33,7 @@ pub struct FilmQuestion<'a> {
 }
 
 /// Fitted regions, and the texels they were fitted for.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Deserialize, Serialize)]
 pub struct FittedLight {
     /// One for each map.
     pub regions: Vec<Region>,

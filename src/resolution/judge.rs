@@ -11,6 +11,7 @@ use crate::methods::Region;
 use crate::raster::{Bias, Canvas, RasterError};
 use crate::visibility::{RayOffset, Tracer, View};
 use glam::{DMat4, DVec3, DVec4};
+use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 
 /// Everything needed to judge one light's maps at any size.
@@ -31,7 +32,7 @@ pub struct Judge<'a> {
 }
 
 /// A region's matrix.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Deserialize, Serialize)]
 pub struct JudgedMap {
     /// The region.
     pub region: Region,

@@ -1,9 +1,10 @@
 //! The grid of sizes that a search may choose from.
 
 use super::{AspectRule, MapParams, TEXELS_MAX};
+use serde::{Deserialize, Serialize};
 
 /// Sizes along the optimal aspects of a light's maps, ascending; each entry has a size for every map.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Deserialize, Serialize)]
 pub struct SizeGrid {
     sizes: Vec<Vec<[u32; 2]>>,
 }

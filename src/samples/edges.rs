@@ -6,9 +6,10 @@ use super::grid::GridView;
 use crate::scene::{Camera, Light};
 use crate::visibility::{Answer, RayOffset, Tracer, surface_at};
 use glam::{DVec2, DVec3};
+use serde::{Deserialize, Serialize};
 
 /// A piece of shadow edge.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
 pub struct EdgePoint {
     /// Film position of its middle, pixels.
     pub film: [f64; 2],

@@ -1,9 +1,10 @@
 //! The pinhole camera of a frame and the film it exposes.
 
 use glam::{DMat3, DMat4, DVec3, DVec4};
+use serde::{Deserialize, Serialize};
 
 /// How directions become film positions.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 pub enum Projection {
     /// A pinhole with this vertical field of view; the film's own aspect gives the horizontal one (square pixels).
     Perspective {
@@ -18,7 +19,7 @@ pub enum Projection {
 }
 
 /// A camera in scene space.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub struct Camera {
     /// As in the file or job.
     pub name: String,

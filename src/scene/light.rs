@@ -1,9 +1,10 @@
 //! The lights of a frame.
 
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 
 /// Where light comes from.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 pub enum LightKind {
     /// Parallel light.
     Directional {
@@ -31,7 +32,7 @@ pub enum LightKind {
 }
 
 /// A light in scene space.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub struct Light {
     /// As in the file or job; unique within a scene.
     pub name: String,

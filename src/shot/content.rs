@@ -9,26 +9,20 @@ use crate::math::{LightSpace, convex_hull};
 use crate::methods::Region;
 use crate::scene::{Geometry, Light, Room};
 use glam::{DVec2, DVec3};
+use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 /// Moving triangles placed at a time.
 const RUN: usize = 4096;
 
 /// What moves in a map, in one frame: a SHA-256 of the triangles; all zero for none.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 pub struct Content([u8; 32]);
 
 impl Content {
     /// Nothing that moves during the shot stands in the map.
     pub fn is_still(&self) -> bool {
         *self == Content::default()
-    }
-
-    /// Of a frame of which nothing is known: that of no other frame.
-    pub fn unknown(frame: usize) -> Content {
-        let mut bytes = [u8::MAX; 32];
-        bytes[..8].copy_from_slice(&(frame as u64).to_le_bytes());
-        Content(bytes)
     }
 
     /// Of moving triangles that may reach a map; `reaches` errs towards true.

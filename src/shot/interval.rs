@@ -12,6 +12,7 @@ use crate::scene::{Film, Light};
 use glam::DVec3;
 
 use super::part::{LightPart, thinned};
+use serde::{Deserialize, Serialize};
 
 /// What is asked of every interval.
 #[derive(Clone, Copy, Debug)]
@@ -46,7 +47,7 @@ const PROBED_EDGES: usize = 200;
 const QUICK_ROUNDS: u32 = 2;
 
 /// An interval's matrix.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Deserialize, Serialize)]
 pub struct Interval {
     /// Regions that hold what every frame has to cover, in the frame of the light.
     pub fitted: FittedLight,

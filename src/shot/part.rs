@@ -9,12 +9,13 @@ use crate::measure::{Outside, Receivers};
 use crate::samples::{EdgePoint, LightSamples};
 use crate::scene::{Camera, Geometry, Light};
 use glam::{DVec2, DVec3};
+use serde::{Deserialize, Serialize};
 
 /// Most edge samples kept of a frame and light.
 pub(super) const EDGES_KEPT: usize = 600;
 
 /// One light of one frame.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Deserialize, Serialize)]
 pub struct LightPart {
     /// The light, at the frame.
     pub light: Light,
@@ -24,6 +25,8 @@ pub struct LightPart {
     pub edges: Vec<EdgePoint>,
     /// The points that maps have to hold: vertices of their hull as seen from the light.
     pub cover: Vec<DVec3>,
+    /// How far maps have to reach along the light: see [`crate::depth::reach`]. As [`light_part`] leaves it, empty.
+    pub reach: Vec<DVec3>,
     /// Receivers: pixels, or planning-grid positions where nothing is measured.
     pub facing: u64,
     /// Of them those that need a map.
@@ -59,10 +62,29 @@ pub fn light_part(
         edges: thinned(&samples.edges, EDGES_KEPT),
         content: content(geometry, light, &cover),
         cover,
+        reach: Vec::new(),
         facing,
         needed: if wanted_shadowed { shadowed } else { facing - shadowed },
         samples: samples.edges.len() as u64,
         rays: samples.rays + film.map_or(0, |f| f.len() as u64),
+    }
+}
+
+impl LightPart {
+    /// A frame that a light is not on in, or that it is alone known of where it stands.
+    pub fn blank(light: Light, camera: Camera) -> LightPart {
+        LightPart {
+            light,
+            camera,
+            edges: Vec::new(),
+            cover: Vec::new(),
+            reach: Vec::new(),
+            facing: 0,
+            needed: 0,
+            content: Content::default(),
+            samples: 0,
+            rays: 0,
+        }
     }
 }
 

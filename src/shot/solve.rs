@@ -1,7 +1,10 @@
 //! The stage from the parts of one light to the segments of a shot.
 //!
-//! Long shots are cut at the borders of blocks of frames: every interval of blocks is looked at quickly, the cheapest cut is
-//! found by dynamic programming, and its segments are fitted in full.
+//! All intervals of a shot are too many: 50 million of 10,000 frames. So the shot is first cut at the borders of at most
+//! [`BLOCKS`] blocks of frames, every interval of blocks looked at quickly and the cheapest cut found by dynamic programming;
+//! then the chosen borders may move by half a block, a quarter, down to a frame, and segments part in the middle, each time by
+//! dynamic programming over the chosen borders and their neighbours, so that no step makes the cut dearer. Up to [`BLOCKS`] frames the cut is the best of
+//! all. Its segments are fitted in full.
 
 use super::interval::{Asked, Interval, Look, fit_interval};
 use super::light_pose::light_poses;
@@ -14,10 +17,16 @@ use crate::samples::EdgePoint;
 use crate::scene::Light;
 use glam::DVec3;
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use std::ops::Range;
 
-/// Most blocks that a shot is cut into: 820 intervals are looked at.
+/// Most blocks that a shot is first cut into: 820 intervals are looked at.
 const BLOCKS: usize = 40;
+/// Rounds in which borders are moved at most: blocks of 2¹⁵ frames would take 15 to come down to a frame.
+const ROUNDS: usize = 24;
+/// Chosen borders that an interval may pass on when borders are moved: from one's neighbourhood to the next one's.
+const SPAN: usize = 1;
 
 /// One light over a shot, in the frame of the light.
 #[derive(Clone, Debug)]
@@ -41,7 +50,7 @@ impl LightParts {
                 let derivatives = edge.derivatives.map(|d| motion.vector(d));
                 *edge = EdgePoint { position: motion.point(edge.position), derivatives, ..*edge };
             }
-            for point in &mut part.cover {
+            for point in part.cover.iter_mut().chain(&mut part.reach) {
                 *point = motion.point(*point);
             }
         }
@@ -62,7 +71,7 @@ impl LightParts {
 }
 
 /// Frames that share a matrix and a size.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Deserialize, Serialize)]
 pub struct Segment {
     /// Of the shot, by place.
     pub frames: Range<usize>,
@@ -103,44 +112,140 @@ pub fn segments(
         Some(Hold::Shot) => 1,
         None => params.max_segments.map_or(usize::MAX, |m| m as usize),
     };
-    let borders: Vec<usize> = match count.div_ceil(BLOCKS) {
-        _ if most == 1 => vec![0, count],
-        stride => (0..count).step_by(stride).chain([count]).collect(),
-    };
-    let blocks = borders.len() - 1;
-    let pairs: Vec<(usize, usize)> =
-        (0..blocks).flat_map(|first| (first + 1..=blocks).map(move |end| (first, end))).collect();
-    let hull = |frames: Range<usize>| {
-        let points: Vec<DVec3> = light.parts[frames].iter().flat_map(|p| p.cover.iter().copied()).collect();
-        extremes_for_light(&light.light, &points)
-    };
-    let hulls: Vec<Vec<DVec3>> = borders.windows(2).map(|w| hull(w[0]..w[1])).collect();
-    let looked: Vec<Valued> = pairs
-        .par_iter()
-        .map(|(first, end)| {
-            let cover = hulls[*first..*end].concat();
-            valued(asked, light, params, correction, borders[*first]..borders[*end], cover)
-        })
-        .collect();
-    let at = |first: usize, end: usize| looked[first * blocks - first * first.saturating_sub(1) / 2 + end - first - 1];
-    let (_, ends) = cut(blocks, most, params.minimise, at).ok_or_else(|| refusal(asked, light))?;
-    let mut segments = Vec::with_capacity(ends.len());
-    let mut first = 0;
+    let mut seeker = Seeker { asked, light, params, correction, known: BTreeMap::new() };
+    let chosen = seeker.borders(most, BLOCKS).ok_or_else(|| refusal(asked, light))?;
+    let mut segments = Vec::with_capacity(chosen.len());
     let mut cost = 0.0;
-    for end in ends {
-        let frames = borders[first]..borders[end];
-        let cover = hulls[first..end].concat();
-        cost += at(first, end).cost;
-        first = end;
+    for ends in chosen.windows(2) {
+        let frames = ends[0]..ends[1];
+        cost += seeker.known.get(&(ends[0], ends[1])).map_or(0.0, |v| v.cost);
         let needing = light.needing(frames.clone());
         if needing.is_empty() {
             continue;
         }
         let parts: Vec<&LightPart> = needing.iter().map(|f| &light.parts[*f]).collect();
-        let interval = fit_interval(asked, &light.light, &parts, cover, Look::Full)?;
+        let interval = fit_interval(asked, &light.light, &parts, seeker.hull(frames.clone()), Look::Full)?;
         segments.push(Segment { frames, needing, interval });
     }
     Ok(Segmentation { segments, cost })
+}
+
+/// Looks for the cheapest cut.
+struct Seeker<'a> {
+    asked: &'a Asked<'a>,
+    light: &'a LightParts,
+    params: &'a TemporalParams,
+    correction: f64,
+    /// Intervals looked at, by first frame and end.
+    known: BTreeMap<(usize, usize), Valued>,
+}
+
+impl Seeker<'_> {
+    /// The borders of the cheapest cut found, first and last frame among them; `blocks` at most in the first round.
+    fn borders(&mut self, most: usize, blocks: usize) -> Option<Vec<usize>> {
+        let count = self.light.parts.len();
+        if most == 1 {
+            return self.cut(&[0, count], &[0, 1], 1);
+        }
+        let mut stride = count.div_ceil(blocks);
+        let borders: Vec<usize> = (0..count).step_by(stride).chain([count]).collect();
+        // One family: any interval may be chosen.
+        let mut chosen = self.cut(&borders, &vec![0; borders.len()], most)?;
+        if stride == 1 {
+            return Some(chosen);
+        }
+        for _ in 0..ROUNDS {
+            stride = stride.div_ceil(2);
+            let (borders, family) = near(&chosen, stride);
+            let next = self.cut(&borders, &family, most)?;
+            if stride == 1 && next == chosen {
+                break;
+            }
+            chosen = next;
+        }
+        Some(chosen)
+    }
+
+    /// The cheapest cut at some of the borders, in intervals that lead from one family of borders to one at most [`SPAN`]
+    /// farther on.
+    fn cut(&mut self, borders: &[usize], family: &[usize], most: usize) -> Option<Vec<usize>> {
+        let blocks = borders.len() - 1;
+        let hulls: Vec<Vec<DVec3>> = borders.par_windows(2).map(|w| self.hull(w[0]..w[1])).collect();
+        let near = |first: usize, end: usize| family[end].abs_diff(family[first]) <= SPAN;
+        let fresh: Vec<(usize, usize)> = (0..blocks)
+            .flat_map(|first| (first + 1..=blocks).map(move |end| (first, end)))
+            .filter(|(first, end)| near(*first, *end) && !self.known.contains_key(&(borders[*first], borders[*end])))
+            .collect();
+        let looked: Vec<Valued> = fresh
+            .par_iter()
+            .map(|(first, end)| self.valued(borders[*first]..borders[*end], hulls[*first..*end].concat()))
+            .collect();
+        self.known.extend(fresh.iter().map(|(first, end)| (borders[*first], borders[*end])).zip(looked));
+        const FORBIDDEN: Valued = Valued { texels: f64::INFINITY, cost: f64::INFINITY };
+        let at = |first: usize, end: usize| match near(first, end) {
+            true => self.known.get(&(borders[first], borders[end])).copied().unwrap_or(FORBIDDEN),
+            false => FORBIDDEN,
+        };
+        let (_, ends) = cut(blocks, most, self.params.minimise, at)?;
+        Some(std::iter::once(0).chain(ends).map(|end| borders[end]).collect())
+    }
+
+    /// The points of some frames that span what they have to cover.
+    fn hull(&self, frames: Range<usize>) -> Vec<DVec3> {
+        let points: Vec<DVec3> = self.light.parts[frames].iter().flat_map(|p| p.cover.iter().copied()).collect();
+        extremes_for_light(&self.light.light, &points)
+    }
+
+    fn valued(&self, frames: Range<usize>, cover: Vec<DVec3>) -> Valued {
+        let (asked, light, params) = (self.asked, self.light, self.params);
+        let needing = light.needing(frames);
+        let (Some(first), Some(last)) = (needing.first(), needing.last()) else {
+            return Valued { texels: 0.0, cost: 0.0 };
+        };
+        let parts: Vec<&LightPart> = needing.iter().map(|f| &light.parts[*f]).collect();
+        let Ok(interval) = fit_interval(asked, &light.light, &parts, cover, Look::Quick) else {
+            return Valued { texels: f64::INFINITY, cost: f64::INFINITY };
+        };
+        let texels = interval.texels * self.correction;
+        // A matrix that would need more than the largest map stands back behind any cut that needs less.
+        let over = (texels / largest(asked, &interval)).max(1.0);
+        let [at_first, at_last] = interval.wrong_at_ends;
+        let begins = light.parts[..*first].iter().any(|p| p.needed > 0);
+        let ends = light.parts[last + 1..].iter().any(|p| p.needed > 0);
+        let popping = at_first * f64::from(u8::from(begins)) + at_last * f64::from(u8::from(ends));
+        let times = match params.minimise {
+            Minimise::Drawn => light.draws(&needing),
+            Minimise::Sum => needing.len(),
+            Minimise::Peak => 0,
+        };
+        let cost = texels * times as f64 * over * over + params.change_cost * popping;
+        Valued { texels: texels * over * over, cost }
+    }
+}
+
+/// Chosen borders with those `stride` before and after each and in the middle of each segment, every one with the number of
+/// the chosen border that it belongs to.
+fn near(chosen: &[usize], stride: usize) -> (Vec<usize>, Vec<usize>) {
+    let (mut borders, mut family) = (vec![0], vec![0]);
+    let mut add = |place: usize, of: usize| {
+        if borders.last().is_some_and(|last| *last < place) {
+            borders.push(place);
+            family.push(of);
+        }
+    };
+    for (k, ends) in chosen.windows(2).enumerate() {
+        let [first, end] = [ends[0], ends[1]];
+        let last = k + 2 == chosen.len();
+        let mut inner = vec![(first + stride, k), ((first + end) / 2, k)];
+        if !last {
+            inner.push((end.saturating_sub(stride), k + 1));
+        }
+        inner.retain(|(place, _)| first < *place && *place < end);
+        inner.sort_unstable();
+        inner.into_iter().for_each(|(place, of)| add(place, of));
+        add(end, k + 1);
+    }
+    (borders, family)
 }
 
 /// The reason why the first single frame that has no matrix has none.
@@ -161,36 +266,6 @@ struct Valued {
     cost: f64,
 }
 
-fn valued(
-    asked: &Asked,
-    light: &LightParts,
-    params: &TemporalParams,
-    correction: f64,
-    frames: Range<usize>,
-    cover: Vec<DVec3>,
-) -> Valued {
-    let needing = light.needing(frames.clone());
-    let (Some(first), Some(last)) = (needing.first(), needing.last()) else { return Valued { texels: 0.0, cost: 0.0 } };
-    let parts: Vec<&LightPart> = needing.iter().map(|f| &light.parts[*f]).collect();
-    let Ok(interval) = fit_interval(asked, &light.light, &parts, cover, Look::Quick) else {
-        return Valued { texels: f64::INFINITY, cost: f64::INFINITY };
-    };
-    let texels = interval.texels * correction;
-    // A matrix that would need more than the largest map stands back behind any cut that needs less.
-    let over = (texels / largest(asked, &interval)).max(1.0);
-    let [at_first, at_last] = interval.wrong_at_ends;
-    let begins = light.parts[..*first].iter().any(|p| p.needed > 0);
-    let ends = light.parts[last + 1..].iter().any(|p| p.needed > 0);
-    let popping = at_first * f64::from(u8::from(begins)) + at_last * f64::from(u8::from(ends));
-    let times = match params.minimise {
-        Minimise::Drawn => light.draws(&needing),
-        Minimise::Sum => needing.len(),
-        Minimise::Peak => 0,
-    };
-    let cost = texels * times as f64 * over * over + params.change_cost * popping;
-    Valued { texels: texels * over * over, cost }
-}
-
 /// Most texels that an interval's maps may have.
 fn largest(asked: &Asked, interval: &Interval) -> f64 {
     let side = f64::from(asked.map.max);
@@ -206,3 +281,6 @@ fn cut(blocks: usize, most: usize, minimise: Minimise, at: impl Fn(usize, usize)
         Minimise::Peak => lowest_peak(blocks, most, |first, end| at(first, end).texels, cost),
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -4,7 +4,8 @@
 //! equal marginal gains would come to. Measured besides: the plan itself, its texels shared out by gains, and half of them,
 //! shared out by gains or with every map halved alike.
 
-use super::super::make::{in_scene_space, load_shot, planned};
+use super::super::make::{in_scene_space, load_shot};
+use super::super::pieces::planned;
 use super::super::stage::Stages;
 use super::super::{FramePlan, PlanError, Watch};
 use super::Search;

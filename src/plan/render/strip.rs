@@ -58,7 +58,7 @@ pub fn strip(loaded: &LoadedJob, plan: &Plan, most: usize, watch: &Watch) -> Res
             picture.pixels[pixel as usize] = FLICKERS;
         }
         pictures.push(picture);
-        before = Some(Before { number: planned.frame, posed, offset, maps, view, caches: Vec::new() });
+        before = Some(Before { number: planned.frame, posed, offset, maps, left: None });
     }
     Ok(pictures)
 }

@@ -1,46 +1,37 @@
-//! A segment on its way through the frames: what is settled so far.
+//! A segment on its way from a matrix to a certified size.
 
-use super::super::LightPlan;
-use super::window::Window;
-use crate::measure::Drawn;
+use super::window::{self, Window};
+use crate::math::RigidMotion;
 use crate::raster::Bias;
-use crate::resolution::{FittedLight, JudgedMap, SizeGrid, Trial};
-use crate::shot::{Asked, Content, LightParts, Segment};
-use std::collections::BTreeMap;
+use crate::resolution::{FittedLight, JudgedMap, SizeGrid};
+use crate::shot::{Asked, Segment};
+use serde::{Deserialize, Serialize};
 
 /// A segment and what is known of it.
-pub(super) struct Held {
-    pub(super) segment: Segment,
+#[derive(Clone, Debug, Deserialize, Serialize)]
+pub(in crate::plan) struct Held {
+    pub(in crate::plan) segment: Segment,
     /// Its regions, in the light's frame.
-    pub(super) fitted: FittedLight,
+    pub(in crate::plan) fitted: FittedLight,
     /// The sizes it may have.
-    pub(super) grid: SizeGrid,
+    pub(in crate::plan) grid: SizeGrid,
     /// Of each region the part that a frame's map holds; none when that is all of it.
-    pub(super) windows: Vec<Window>,
+    pub(in crate::plan) windows: Vec<Window>,
     /// Its matrices, once the depth range is known.
-    pub(super) maps: Vec<JudgedMap>,
-    pub(super) bias: Option<Bias>,
+    pub(in crate::plan) maps: Vec<JudgedMap>,
+    /// Absent where nothing is measured.
+    pub(in crate::plan) bias: Option<Bias>,
     /// Place on the grid: the size so far.
-    pub(super) size: usize,
+    pub(in crate::plan) size: usize,
     /// Place of the frame that needs this size; `None` when nothing is measured.
-    pub(super) decided_by: Option<usize>,
-    /// What moves in the maps, by frame.
-    pub(super) contents: BTreeMap<usize, Content>,
-    /// All sizes tried, by frame, in order, each with its place on the grid.
-    pub(super) tried: BTreeMap<usize, Vec<(usize, Trial)>>,
-    /// Finished entries with the place on the grid they were measured at.
-    pub(super) entries: BTreeMap<usize, LightPlan>,
-    /// The place on the grid of each finished entry.
-    pub(super) entered_at: BTreeMap<usize, usize>,
-    /// The maps drawn last: frame and place on the grid.
-    pub(super) drawn: Option<(usize, usize, Vec<Drawn>)>,
+    pub(in crate::plan) decided_by: Option<usize>,
     /// The bound is missed at the largest size.
-    pub(super) missed: bool,
+    pub(in crate::plan) missed: bool,
 }
 
 impl Held {
     /// Nothing settled yet.
-    pub(super) fn new(segment: Segment, asked: &Asked) -> Held {
+    pub(in crate::plan) fn new(segment: Segment, asked: &Asked) -> Held {
         let fitted = segment.interval.fitted.clone();
         let mut held = Held {
             segment,
@@ -51,11 +42,6 @@ impl Held {
             bias: None,
             size: 0,
             decided_by: None,
-            contents: BTreeMap::new(),
-            tried: BTreeMap::new(),
-            entries: BTreeMap::new(),
-            entered_at: BTreeMap::new(),
-            drawn: None,
             missed: false,
         };
         held.refit(asked);
@@ -63,7 +49,7 @@ impl Held {
     }
 
     /// After the regions were changed.
-    pub(super) fn refit(&mut self, asked: &Asked) {
+    pub(in crate::plan) fn refit(&mut self, asked: &Asked) {
         let parts = self.fitted.regions.iter().zip(&self.fitted.shares);
         let maps: Vec<(f64, f64)> = if self.windows.is_empty() {
             parts.map(|(r, share)| (r.aspect, *share)).collect()
@@ -79,23 +65,54 @@ impl Held {
     }
 
     /// The frame that is predicted to need most texels.
-    pub(super) fn predicted_decider(&self) -> usize {
+    pub(in crate::plan) fn predicted_decider(&self) -> usize {
         self.segment.needing[self.segment.interval.decides]
     }
 
-    /// Whether two frames draw the same maps at a place on the grid.
-    pub(super) fn same_maps(&self, a: usize, b: usize, place: usize, light: &LightParts) -> bool {
-        let (sizes, windows) = (self.grid.sizes(place), self.windows.iter());
-        windows.zip(sizes).all(|(w, size)| w.snapped(a, *size) == w.snapped(b, *size))
-            && light.poses[a] == light.poses[b]
-            && self.contents.contains_key(&a)
-            && self.contents.get(&a) == self.contents.get(&b)
+    /// The maps of a frame at a place on the grid, as they stand where `motion` takes the frame's points to where they stand
+    /// for the segment. `None` where a domain does not move with its light.
+    pub(in crate::plan) fn maps_at(
+        &self,
+        frame: usize,
+        place: usize,
+        motion: Option<&RigidMotion>,
+    ) -> Option<Vec<JudgedMap>> {
+        let maps = window::maps(self, frame, place);
+        let Some(motion) = motion else { return Some(maps) };
+        let matrix = motion.matrix();
+        maps.into_iter()
+            .map(|map| {
+                let mut depth = map.depth;
+                depth.row = matrix.transpose() * depth.row;
+                let clip_from_scene = map.clip_from_scene * matrix;
+                Some(JudgedMap { region: map.region.carried(motion)?, clip_from_scene, depth })
+            })
+            .collect()
+    }
+
+    /// Whether the maps of two frames are the same part of the segment's.
+    pub(in crate::plan) fn same_window(&self, a: usize, b: usize) -> bool {
+        let sizes = self.grid.sizes(self.size);
+        self.windows.iter().zip(sizes).all(|(w, size)| w.snapped(a, *size) == w.snapped(b, *size))
     }
 
     /// Measured over predicted texels; where the largest size was not enough, by the error left there.
-    pub(super) fn measured_over_predicted(&self) -> f64 {
+    pub(in crate::plan) fn measured_over_predicted(&self) -> f64 {
         let ratio = self.grid.texels(self.size) / self.segment.interval.texels.max(1.0);
         // Errors fall with the side, so that texels grow with the square of the error.
         if self.missed { ratio.max(1.0) * 4.0 } else { ratio }
+    }
+
+    /// Without the edges that its regions were fitted to, which nothing asks for once the matrix is settled.
+    pub(in crate::plan) fn settled(mut self) -> Held {
+        self.fitted
+            .regions
+            .iter_mut()
+            .chain(&mut self.segment.interval.fitted.regions)
+            .for_each(|r| *r = r.over(&[], 0));
+        self.maps.iter_mut().for_each(|map| map.region = map.region.over(&[], 0));
+        self.fitted.covered.clear();
+        self.segment.interval.fitted.covered.clear();
+        self
     }
 }

@@ -5,19 +5,16 @@
 //! and shift to ensure that the shadow map includes all of the currently relevant samples." The early draft leaves a border
 //! besides, and keeps the matrix as it is for as long as everything stays within: `shot.hysteresis_border`.
 //!
-//! The median is taken over the shadow-edge samples. Matrices are not chosen by measurement here: that would change them
-//! every frame.
+//! The median is taken over shadow-edge samples, thinned as in a part. Matrices are not chosen by measurement here: that
+//! would change them every frame. The frames are gone through in order, from what each was fitted to by itself.
 
-use super::super::light_entry::light_entry;
-use super::super::make::frame_entry;
-use super::super::stage::Stages;
-use super::super::{FramePlan, LightTemporal, PlanError, Stage, Watch};
+use super::super::pieces::FrameLight;
 use crate::math::RigidMotion;
 use crate::methods::Region;
 use crate::resolution::FittedLight;
-use crate::samples::LightSamples;
+use crate::samples::EdgePoint;
 use crate::scene::Light;
-use crate::shot::{Temporal, carry, in_frame, light_poses};
+use crate::shot::{TemporalParams, carry, in_frame, light_poses};
 use glam::DVec3;
 
 /// Least border, part of a map's side: rounding, and film pixels at the very border.
@@ -31,49 +28,25 @@ struct Last {
     shares: Vec<f64>,
 }
 
-/// Plans the shot.
-pub(super) fn plan(stages: &Stages, timings: bool, watch: &Watch) -> Result<Vec<FramePlan>, PlanError> {
-    let params = &stages.job.shot;
-    let mut last: Vec<Option<Last>> = Vec::new();
-    let mut done = 0;
-    let mut frame_plan = |k: usize| {
-        stages.with(k, |stage, frame| {
-            last.resize_with(frame.lights.len(), || None);
-            let total = (stages.len() * frame.lights.len()) as u64;
-            let mut lights = Vec::with_capacity(frame.lights.len());
-            for (light, last) in frame.lights.iter().zip(&mut last) {
-                watch.step(Stage::Lights, done, total)?;
-                let before = last.take();
-                let mut choose = |fresh: FittedLight, samples: &LightSamples| {
-                    let kept = before.as_ref().and_then(|b| kept(b, light, &fresh, params.hysteresis_border, samples));
-                    let chosen = match kept {
-                        Some(kept) if !much_better(&fresh, &kept, samples, params.hysteresis) => kept,
-                        _ => bordered(fresh, params.hysteresis_border),
-                    };
-                    let (regions, shares) = (chosen.regions.clone(), chosen.shares.clone());
-                    *last = Some(Last { light: light.clone(), regions, shares });
-                    chosen
-                };
-                let mut entry = light_entry(stage, light, stages.job, timings, Some(&mut choose))?;
-                if last.is_none() {
-                    *last = before;
-                }
-                if !entry.maps.is_empty() {
-                    let alone = LightTemporal::alone(stages.time(k).frame, None);
-                    entry.temporal = Some(LightTemporal { mode: Temporal::Hysteresis, ..alone });
-                }
-                lights.push(entry);
-                done += 1;
-            }
-            watch.step(Stage::Lights, done, total)?;
-            Ok(frame_entry(stages.time(k), &frame.camera, stage.film, lights))
-        })
-    };
-    (0..stages.len()).map(&mut frame_plan).collect()
+/// Chooses the regions of one light in its frames, in order: `fresh` becomes what is held.
+pub(in crate::plan) fn choose<'a>(frames: impl Iterator<Item = &'a mut FrameLight>, params: &TemporalParams) {
+    let mut last: Option<Last> = None;
+    for frame in frames {
+        let (Some(fresh), Some(part)) = (frame.fresh.take(), &frame.part) else { continue };
+        let border = params.hysteresis_border;
+        let kept = last.as_ref().and_then(|b| kept(b, &frame.light, &fresh, border, &part.edges));
+        let chosen = match kept {
+            Some(kept) if !much_better(&fresh, &kept, &part.edges, params.hysteresis) => kept,
+            _ => bordered(fresh, border),
+        };
+        let (regions, shares) = (chosen.regions.clone(), chosen.shares.clone());
+        last = Some(Last { light: frame.light.clone(), regions, shares });
+        frame.fresh = Some(chosen);
+    }
 }
 
 /// The last regions, made to hold what this frame has to cover; `None` when they cannot, or split the light otherwise.
-fn kept(last: &Last, light: &Light, fresh: &FittedLight, border: f64, samples: &LightSamples) -> Option<FittedLight> {
+fn kept(last: &Last, light: &Light, fresh: &FittedLight, border: f64, edges: &[EdgePoint]) -> Option<FittedLight> {
     let poses = light_poses([&last.light, light]);
     let motion: Option<RigidMotion> = carry(&poses[1], &poses[0]);
     let carried = |r: &Region| motion.as_ref().map_or_else(|| Some(r.clone()), |m| r.carried(m));
@@ -84,7 +57,7 @@ fn kept(last: &Last, light: &Light, fresh: &FittedLight, border: f64, samples: &
         return None;
     }
     let held = (0..regions.len()).map(|i| holding(&regions, i, &fresh.covered, border, false));
-    let regions = in_frame(&held.collect::<Option<Vec<_>>>()?, &samples.edges);
+    let regions = in_frame(&held.collect::<Option<Vec<_>>>()?, edges);
     Some(FittedLight { regions, shares: last.shares.clone(), ..fresh.clone() })
 }
 
@@ -110,9 +83,9 @@ fn bordered(fresh: FittedLight, border: f64) -> FittedLight {
 }
 
 /// Whether the median of Σ (dx/du)² under new regions is below `part` of that under the kept ones, at equal texels.
-fn much_better(fresh: &FittedLight, kept: &FittedLight, samples: &LightSamples, part: f64) -> bool {
+fn much_better(fresh: &FittedLight, kept: &FittedLight, edges: &[EdgePoint], part: f64) -> bool {
     let median = |fitted: &FittedLight| {
-        let regions = in_frame(&fitted.regions, &samples.edges);
+        let regions = in_frame(&fitted.regions, edges);
         let of = regions.iter().zip(&fitted.shares).flat_map(|(r, share)| r.footprints(fresh.texels * share));
         let mut squares: Vec<f64> = of.map(|(footprint, _)| footprint * footprint).collect();
         squares.sort_by(f64::total_cmp);

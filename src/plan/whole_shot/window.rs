@@ -7,23 +7,24 @@ use super::held::Held;
 use crate::resolution::JudgedMap;
 use crate::shot::{Asked, LightParts};
 use glam::{DMat4, DVec2, DVec3, DVec4};
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// Room around what a frame has to hold, relative to it: rounding, and film pixels at the very border.
 const ROOM: f64 = 1e-4;
 
 /// The part of a region that a frame's map holds, in units of the region's map.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Window {
+#[derive(Clone, Debug, Default, Deserialize, Serialize)]
+pub(in crate::plan) struct Window {
     /// The same in all frames.
-    pub(super) size: DVec2,
+    pub(in crate::plan) size: DVec2,
     /// Its lower left corner, by frame, before snapping.
-    pub(super) low: BTreeMap<usize, DVec2>,
+    pub(in crate::plan) low: BTreeMap<usize, DVec2>,
 }
 
 impl Window {
     /// Corner and size of a map of some texels, snapped.
-    pub(super) fn snapped(&self, frame: usize, size: [u32; 2]) -> [DVec2; 2] {
+    pub(in crate::plan) fn snapped(&self, frame: usize, size: [u32; 2]) -> [DVec2; 2] {
         let texels = DVec2::new(f64::from(size[0]), f64::from(size[1]));
         let pitch = self.size / (texels - 1.0).max(DVec2::ONE);
         let low = self.low.get(&frame).copied().unwrap_or_default();
@@ -32,7 +33,7 @@ impl Window {
 }
 
 /// Finds the windows of a segment. The error is the reason why there are none.
-pub(super) fn open(held: &mut Held, light: &LightParts, asked: &Asked) -> Result<(), String> {
+pub(in crate::plan) fn open(held: &mut Held, light: &LightParts, asked: &Asked) -> Result<(), String> {
     let regions = &held.fitted.regions;
     let mut windows = vec![Window::default(); regions.len()];
     for &frame in &held.segment.needing {
@@ -58,7 +59,7 @@ pub(super) fn open(held: &mut Held, light: &LightParts, asked: &Asked) -> Result
 }
 
 /// The maps of a segment in a frame at a place on the grid, in the light's frame.
-pub(super) fn maps(held: &Held, frame: usize, place: usize) -> Vec<JudgedMap> {
+pub(in crate::plan) fn maps(held: &Held, frame: usize, place: usize) -> Vec<JudgedMap> {
     if held.windows.is_empty() {
         return held.maps.clone();
     }
