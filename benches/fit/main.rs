@@ -18,6 +18,7 @@ use lixel::fit::{Aspect, Shape, fit_affine};
 use lixel::math::support_subset;
 use lixel::methods::{Inputs, Method, SolverParams, solve};
 use lixel::metric::{Metric, Moments, cost_and_moments, moments_of};
+use lixel::samples::SamplingParams;
 use synthetic::Scene;
 
 /// Edge samples of a coarse and of a full look at a frame.
@@ -38,6 +39,7 @@ fn main() {
         let scene = Scene::new(count);
         let standard = SolverParams::default();
         race(&scene, "saturating, standard, all samples", &standard, count, rounds);
+        race(&scene, "saturating, standard", &standard, SamplingParams::default().cap as usize, rounds);
         race(&scene, "L2, as the rival", &SolverParams { metric: Metric::L2, ..standard.clone() }, count, rounds);
     }
 }
