@@ -2,10 +2,12 @@
 
 #![expect(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
 
+mod boxes;
 #[path = "scene/fixture.rs"]
 #[expect(dead_code, reason = "shared with the scene tests, which use more of it")]
 mod fixture;
 
+use boxes::cuboid;
 use fixture::Gltf;
 use lixel::job;
 use lixel::plan::{self, Plan, Status, Verification, Watch, budget_curves};
@@ -23,16 +25,8 @@ fn watched<T>(work: impl FnOnce(&Watch) -> T) -> T {
 fn scene(folder: &Path) {
     let mut gltf = Gltf::new();
     let mut nodes = vec![];
-    let mut add = |gltf: &mut Gltf, centre: [f32; 3], half: [f32; 3]| {
-        let corner = |k: usize| -> [f32; 3] {
-            std::array::from_fn(|axis| centre[axis] + if k >> axis & 1 == 0 { -half[axis] } else { half[axis] })
-        };
-        let faces = [[0_u16, 1, 3, 2], [4, 5, 7, 6], [0, 1, 5, 4], [2, 3, 7, 6], [0, 2, 6, 4], [1, 3, 7, 5]];
-        let position = gltf.f32s("VEC3", &(0..8).flat_map(corner).collect::<Vec<f32>>());
-        let indices: Vec<u16> = faces.iter().flat_map(|[a, b, c, d]| [*a, *b, *c, *a, *c, *d]).collect();
-        let indices = gltf.indices(&indices);
-        let primitive = json!({ "attributes": { "POSITION": position }, "indices": indices });
-        let mesh = gltf.push("meshes", json!({ "primitives": [primitive] }));
+    let mut add = |gltf: &mut Gltf, centre, half| {
+        let mesh = cuboid(gltf, centre, half);
         nodes.push(gltf.push("nodes", json!({ "mesh": mesh })));
     };
     add(&mut gltf, [0.0, -0.1, 0.0], [12.0, 0.1, 12.0]);

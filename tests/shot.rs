@@ -2,10 +2,12 @@
 
 #![expect(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
 
+mod boxes;
 #[path = "scene/fixture.rs"]
 #[expect(dead_code, reason = "shared with the scene tests, which use more of it")]
 mod fixture;
 
+use boxes::cuboid;
 use fixture::Gltf;
 use glam::{DMat4, DVec3};
 use lixel::compare::{compare_temporal, temporal_json};
@@ -21,19 +23,6 @@ static NEVER: AtomicBool = AtomicBool::new(false);
 
 fn watched<T>(work: impl FnOnce(&Watch) -> T) -> T {
     work(&Watch { progress: &|_| (), cancel: &NEVER, notes: &|_| () })
-}
-
-/// A box around a centre, as triangles.
-fn cuboid(gltf: &mut Gltf, centre: [f32; 3], half: [f32; 3]) -> usize {
-    let corner = |k: usize| -> [f32; 3] {
-        std::array::from_fn(|axis| centre[axis] + if k >> axis & 1 == 0 { -half[axis] } else { half[axis] })
-    };
-    let faces = [[0, 1, 3, 2], [4, 5, 7, 6], [0, 1, 5, 4], [2, 3, 7, 6], [0, 2, 6, 4], [1, 3, 7, 5]];
-    let values: Vec<f32> = (0..8).flat_map(corner).collect();
-    let position = gltf.f32s("VEC3", &values);
-    let indices: Vec<u16> = faces.iter().flat_map(|[a, b, c, d]| [*a, *b, *c, *a, *c, *d]).collect();
-    let indices = gltf.indices(&indices);
-    gltf.push("meshes", json!({ "primitives": [{ "attributes": { "POSITION": position }, "indices": indices }] }))
 }
 
 /// A floor with posts, and a box that moves over it or far from it.

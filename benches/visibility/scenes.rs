@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use glam::{DMat3, DVec3, Mat4, Vec3};
+use lixel::math::Prng;
 use lixel::scene::{Camera, Film, Light, LightKind, Projection, Triangle};
 use lixel::visibility::{RayOffset, Tracer, see};
 
@@ -98,22 +99,18 @@ fn lights(bulb: DVec3) -> Vec<Light> {
     ]
 }
 
-/// Numbers in [0, 1), the same every time (SplitMix64).
-struct Seeded(u64);
+/// Numbers in [0, 1) of f32's 24 bits, the same every time.
+struct Seeded(Prng);
 
 impl Seeded {
     fn next(&mut self) -> f32 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 40) as f32 / (1u32 << 24) as f32
+        (self.0.next_u64() >> 40) as f32 / (1u32 << 24) as f32
     }
 }
 
 /// Hills of 400k triangles, 150 stones of 3,200, and 120k blades of grass: large and small, fat and thin.
 pub(crate) fn authored() -> Workload {
-    let mut seeded = Seeded(7);
+    let mut seeded = Seeded(Prng::seeded(7));
     let height =
         |x: f32, z: f32| 0.25 * (1.7 * x).sin() * (1.3 * z).cos() + 0.06 * (7.1 * x + 1.0).sin() * (6.3 * z).sin();
     let ground = |x: f32, z: f32| Vec3::new(x, height(x, z), z);

@@ -5,5 +5,4 @@
 pub(crate) mod document;
 pub(crate) mod mesh;
 pub(crate) mod pose;
-pub(crate) mod prng;
 pub(crate) mod schema;

@@ -9,8 +9,8 @@ mod shot;
 
 use authoring::document::{Content, Document, Placement};
 use authoring::mesh::Mesh;
-use authoring::prng::Prng;
 use glam::{DQuat, dvec3};
+use lixel::math::Prng;
 use std::f64::consts::TAU;
 use std::process::ExitCode;
 
@@ -56,7 +56,7 @@ fn scene(seed: u64) -> std::io::Result<Vec<u8>> {
     let floor = doc.mesh("floor", grey, &floor);
     let mut roots = vec![doc.node("floor", Content::Mesh(floor), Placement::default(), vec![])];
     let kinds = objects::all(&mut doc, clay);
-    let mut prng = Prng(seed);
+    let mut prng = Prng::seeded(seed);
     for i in 0..ROWS * ROWS {
         let along = |k: u32| PITCH_M * (f64::from(k) - 0.5 * f64::from(ROWS - 1));
         let (kind, lift) = kinds[prng.between(0.0, kinds.len() as f64) as usize];

@@ -4,23 +4,9 @@
 use super::table::{Row, Table, short};
 use glam::{DMat3, DVec2, DVec3};
 use lixel::fit::{Aspect, Effort, FitProblem, Normalisation, Shape, minimise, minimise_exhaustive, normalise};
-use lixel::math::{convex_hull, det3};
+use lixel::math::{Prng, convex_hull, det3};
 use lixel::metric::{EdgeSamples, Metric, Moments, moments_of};
 use rayon::prelude::*;
-
-/// A seeded stream: SplitMix64 (Steele et al. 2014).
-pub(crate) struct Stream(pub(crate) u64);
-
-impl Stream {
-    /// A number in [low, high).
-    pub(crate) fn between(&mut self, low: f64, high: f64) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        low + (high - low) * (((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64)
-    }
-}
 
 /// One problem.
 pub(crate) struct Problem {
@@ -34,7 +20,7 @@ pub(crate) struct Problem {
 
 /// Edges on the light plane as they are before normalisation: a sheet seen under a random perspective, at some place and
 /// scale of the plane. The film's derivatives are those of the inverse of film = (G q) / (g·q).
-pub(crate) fn edges(stream: &mut Stream, count: usize) -> (Vec<DVec2>, EdgeSamples) {
+pub(crate) fn edges(stream: &mut Prng, count: usize) -> (Vec<DVec2>, EdgeSamples) {
     let scale = 10.0_f64.powf(stream.between(-3.0, 5.0));
     let centre = DVec2::new(stream.between(-30.0, 30.0), stream.between(-30.0, 30.0)) * scale;
     let corners = stream.between(3.0, 13.0) as u32;
@@ -87,7 +73,7 @@ fn cofactors(m: &DMat3) -> DMat3 {
 
 /// A problem of a seed; `None` for a cover without area.
 pub(crate) fn problem(seed: u64) -> Option<Problem> {
-    let mut stream = Stream(seed.wrapping_mul(0x2545_f491_4f6c_dd1d));
+    let mut stream = Prng::seeded(seed.wrapping_mul(0x2545_f491_4f6c_dd1d));
     let count = stream.between(4.0, 60.0) as usize;
     let (hull, samples) = edges(&mut stream, count);
     let normalisation = normalise(&hull).filter(|_| hull.len() >= 3)?;
@@ -172,8 +158,8 @@ pub(crate) fn gap_table(count: u64) -> Table {
 }
 
 /// Rows that take the cover to a map of some hundred texels: any legal ones, for derivatives.
-pub(crate) fn some_rows(stream: &mut Stream) -> [DVec3; 3] {
-    let row = |stream: &mut Stream, turn: f64| {
+pub(crate) fn some_rows(stream: &mut Prng) -> [DVec3; 3] {
+    let row = |stream: &mut Prng, turn: f64| {
         (DVec2::from_angle(turn) * stream.between(100.0, 400.0)).extend(stream.between(-100.0, 100.0))
     };
     let turn = stream.between(0.0, std::f64::consts::TAU);

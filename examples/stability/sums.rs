@@ -1,9 +1,10 @@
 //! The 36 sums: their condition with and without normalisation, and what it does to a value.
 
-use super::problems::{Stream, edges, normalised, some_rows};
+use super::problems::{edges, normalised, some_rows};
 use super::table::{Row, Table, short};
 use glam::DVec3;
 use lixel::fit::normalise;
+use lixel::math::Prng;
 use lixel::metric::{EdgeSamples, Metric, cost, moments_of};
 use nalgebra::{Matrix3, Vector3};
 
@@ -39,7 +40,7 @@ struct Found {
 }
 
 fn found(seed: u64) -> Option<Found> {
-    let mut stream = Stream(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15));
+    let mut stream = Prng::seeded(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15));
     let (hull, plain) = edges(&mut stream, 40);
     let by = normalise(&hull).filter(|_| hull.len() >= 3)?;
     let normal = normalised(&plain, &by);

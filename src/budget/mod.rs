@@ -18,5 +18,5 @@ mod settle;
 pub use allocate::{Allocation, Item, Limit, TooSmall, allocate};
 pub use curve::{Curve, Point};
 pub use params::{BudgetParams, TEXEL_BYTES};
-pub use plot::{COLOURS, Line, plot};
+pub use plot::{Line, plot};
 pub use settle::{settle, used};

@@ -1,14 +1,13 @@
 //! Wrong pixels against texels, both axes logarithmic, as SVG.
 
 use super::Point;
+use crate::picture::{COLOURS, decades, escaped, svg_head};
 
 /// The plotting area and the room around it, SVG units.
 const SIZE: [f64; 2] = [640.0, 480.0];
 const MARGIN: f64 = 70.0;
 /// Width of the legend.
 const LEGEND: f64 = 190.0;
-/// Colours of lines and dots: Okabe and Ito's, told apart by most eyes; then again from the first.
-pub const COLOURS: [&str; 8] = ["#000000", "#d55e00", "#0072b2", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#b8a800"];
 /// Where no pixel is wrong: the axis has no zero.
 const LEAST_WRONG: f64 = 0.5;
 
@@ -27,22 +26,14 @@ pub struct Line {
 pub fn plot(title: &str, lines: &[Line]) -> String {
     let shown = |p: &Point| [p.texels.log10(), p.wrong.max(LEAST_WRONG).log10()];
     let all: Vec<[f64; 2]> = lines.iter().flat_map(|l| l.curve.iter().chain(&l.measured)).map(shown).collect();
-    let range = |axis: usize| {
-        let of = || all.iter().map(|p| p[axis]).filter(|v| v.is_finite());
-        let (low, high) = (of().fold(f64::INFINITY, f64::min), of().fold(f64::NEG_INFINITY, f64::max));
-        if low <= high { (low.floor(), high.ceil().max(low.floor() + 1.0)) } else { (0.0, 1.0) }
-    };
+    let range = |axis: usize| decades(all.iter().map(|p| p[axis]));
     let ranges = [range(0), range(1)];
     let at = |[x, y]: [f64; 2]| {
         let part = |v: f64, axis: usize| (v - ranges[axis].0) / (ranges[axis].1 - ranges[axis].0) * SIZE[axis];
         [MARGIN + part(x, 0), MARGIN + SIZE[1] - part(y, 1)]
     };
     let (width, height) = (SIZE[0] + 2.0 * MARGIN + LEGEND, SIZE[1] + 2.0 * MARGIN);
-    let mut svg = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" \
-         height=\"{height}\" font-family=\"sans-serif\" font-size=\"13\">\n\
-         <rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n"
-    );
+    let mut svg = svg_head(width, height);
     let mut line = |text: String| svg += &(text + "\n");
     line(format!("<text x=\"{MARGIN}\" y=\"30\" font-size=\"16\">{}</text>", escaped(title)));
     let (left, right, top, bottom) = (MARGIN, MARGIN + SIZE[0], MARGIN, MARGIN + SIZE[1]);
@@ -81,11 +72,6 @@ pub fn plot(title: &str, lines: &[Line]) -> String {
 
 fn power(decade: i32) -> String {
     if (-1..=4).contains(&decade) { 10_f64.powi(decade).to_string() } else { format!("1e{decade}") }
-}
-
-/// Text that means itself in XML.
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }
 
 #[cfg(test)]

@@ -9,6 +9,7 @@ use crate::plan::PlanError;
 use crate::raster::{Bias, RasterError};
 use crate::resolution::{
     Drawing, FilmQuestion, FittedLight, Judge, choose, default_bias, fit_light, fit_texels, polish, polishes, predict,
+    texels,
 };
 use crate::samples::LightSamples;
 use crate::scene::{Camera, Film, Light};
@@ -113,14 +114,14 @@ fn measure(
         }
         None => {
             let certified = choose(question, samples, fitted, judge)?;
-            let needed = TexelsFor { met: certified.met, texels: sum(&certified.sizes) };
+            let needed = TexelsFor { met: certified.met, texels: texels(&certified.sizes) };
             (certified.sizes, Some(needed))
         }
     };
     let (bias, wrong) = answers(question, &sizes, judge, params.bias)?;
     let certain = judge.certain(&wrong);
     let edge = judge.misplaced(&sizes, bias, &certain)?;
-    let texels = sum(&sizes);
+    let texels = texels(&sizes);
     let prediction = predict(&fitted.regions, &fitted.shares, texels as f64);
     let false_lit = certain.iter().filter(|i| judge.receivers().shadowed[**i as usize]).count() as u64;
     let measured = Measured {
@@ -190,8 +191,4 @@ fn answers(
         }
     }
     Ok((best.1, best.2))
-}
-
-fn sum(sizes: &[[u32; 2]]) -> u64 {
-    sizes.iter().map(|[w, h]| u64::from(*w) * u64::from(*h)).sum()
 }

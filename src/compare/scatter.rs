@@ -1,7 +1,7 @@
 //! Measured against predicted wrong pixels, one dot a light and method, both axes logarithmic, as SVG.
 
 use super::Comparison;
-use crate::budget::COLOURS;
+use crate::picture::{COLOURS, decades, svg_head};
 
 /// Side of the plotting square and the room around it, SVG units.
 const SIDE: f64 = 560.0;
@@ -19,20 +19,13 @@ pub fn scatter(comparison: &Comparison) -> String {
         .filter_map(|(k, m)| Some((k, m.predicted?, m.misclassified as f64)))
         .collect();
     let shown: Vec<&(usize, f64, f64)> = points.iter().filter(|p| p.1 > 0.0 && p.2 > 0.0).collect();
-    let (low, high) = shown.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| {
-        (low.min(p.1.min(p.2).log10()), high.max(p.1.max(p.2).log10()))
-    });
-    let (low, high) = if low <= high { (low.floor(), high.ceil().max(low.floor() + 1.0)) } else { (0.0, 1.0) };
+    let (low, high) = decades(shown.iter().flat_map(|p| [p.1.log10(), p.2.log10()]));
     let place = |log: f64| (log - low) / (high - low) * SIDE;
     let x = |log: f64| MARGIN + place(log);
     let y = |log: f64| MARGIN + SIDE - place(log);
 
     let (width, height) = (SIDE + 2.0 * MARGIN + LEGEND, SIDE + 2.0 * MARGIN);
-    let mut svg = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" \
-         height=\"{height}\" font-family=\"sans-serif\" font-size=\"13\">\n\
-         <rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n"
-    );
+    let mut svg = svg_head(width, height);
     let mut line = |text: String| svg += &(text + "\n");
     let hidden = points.len() - shown.len();
     let left_out = if hidden > 0 { format!(", {hidden} with a zero left out") } else { String::new() };

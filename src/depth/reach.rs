@@ -27,8 +27,8 @@ const BORDER: f64 = 0.01;
 /// Half side of a box without extent, relative to the distance or in metres: a cover of one point still has depth.
 const THIN: f64 = 1e-6;
 
-/// The ends of the tiles of one light in one frame: scene points, four corners an end; empty when nothing is covered. `cover` are the points
-/// that maps have to hold, `visible` those that may look a map up.
+/// The ends of the tiles of one light in one frame: scene points, four corners an end; empty when nothing is covered. `cover`
+/// are the points that maps have to hold, `visible` those that may look a map up.
 pub fn reach(tracer: &Tracer, light: &Light, cover: &[DVec3], visible: &Visible) -> Vec<DVec3> {
     let Some(position) = light.position() else {
         return match LightSpace::around(light, cover) {

@@ -8,6 +8,11 @@ pub struct Prng(u64);
 const GAMMA: u64 = 0x9e37_79b9_7f4a_7c15;
 
 impl Prng {
+    /// The published stream of a seed.
+    pub fn seeded(seed: u64) -> Prng {
+        Prng(seed)
+    }
+
     /// A stream of its own for each seed and index.
     pub fn new(seed: u64, index: u64) -> Prng {
         let mut of_seed = Prng(seed);
@@ -27,6 +32,11 @@ impl Prng {
     /// The next number in [0, 1), with 53 bits.
     pub fn unit(&mut self) -> f64 {
         (self.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    /// The next number in [low, high).
+    pub fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.unit()
     }
 
     /// The next number of the normal distribution with mean 0 and deviation 1 (Box and Muller 1958).

@@ -1,5 +1,6 @@
 //! The film pixels that ask a light's map a question, with the exact answer.
 
+use super::Outside;
 use crate::scene::{Camera, Light};
 use crate::visibility::{Answer, RayOffset, Tracer, View, classify};
 use glam::DVec3;
@@ -23,16 +24,21 @@ impl Receivers {
 
     /// Of a film with the exact answer of each pixel.
     pub fn new(view: &View, camera: &Camera, answers: &[Answer]) -> Receivers {
-        let mut receivers = Receivers::default();
-        for (pixel, answer) in answers.iter().enumerate() {
-            if *answer == Answer::Unlit {
-                continue;
-            }
+        Receivers::at(answers, |pixel| {
             let width = view.film.width as usize;
             let (x, y) = ((pixel % width) as f64 + 0.5, (pixel / width) as f64 + 0.5);
             let (origin, direction) = camera.ray(view.film, x, y);
+            Some(origin + direction * view.depths_m[pixel])
+        })
+    }
+
+    /// Of a film with the exact answer of each pixel, and the scene point seen there; a pixel without one is none.
+    pub fn at(answers: &[Answer], position: impl Fn(usize) -> Option<DVec3>) -> Receivers {
+        let mut receivers = Receivers::default();
+        for (pixel, answer) in answers.iter().enumerate().filter(|(_, answer)| **answer != Answer::Unlit) {
+            let Some(position) = position(pixel) else { continue };
             receivers.pixels.push(pixel as u32);
-            receivers.positions.push(origin + direction * view.depths_m[pixel]);
+            receivers.positions.push(position);
             receivers.shadowed.push(*answer == Answer::Shadowed);
         }
         receivers
@@ -51,6 +57,12 @@ impl Receivers {
     /// Positions with the given exact answer.
     pub fn positions_where(&self, shadowed: bool) -> Vec<DVec3> {
         self.positions.iter().zip(&self.shadowed).filter(|(_, s)| **s == shadowed).map(|(p, _)| *p).collect()
+    }
+
+    /// Number of receivers whose exact answer is not that of `outside`: they need a map.
+    pub fn needing(&self, outside: Outside) -> u64 {
+        let shadowed = self.shadowed_count();
+        if outside == Outside::Lit { shadowed } else { self.len() as u64 - shadowed }
     }
 
     /// Number of receivers in shadow.

@@ -10,7 +10,6 @@ use crate::job::{Job, LoadedJob};
 use crate::math::Bounds;
 use crate::measure::{Outside, Receivers};
 use crate::scene::{CameraParams, Light};
-use crate::visibility::Answer;
 
 /// Said once to who plans from images.
 pub(super) const NOTE: &str = "planned from images: casters are not seen, nothing is drawn, sizes are predicted";
@@ -46,25 +45,15 @@ pub(super) fn relative_pattern(pattern: &Path, plan_dir: &Path) -> PathBuf {
 pub(super) fn look(images: &ImagesFrame, light: &Light, job: &Job) -> Lit {
     let shadow = images.shadow(light);
     let answers = images.film.answers(light, shadow);
-    let film = receivers_of(images, &answers);
+    let film = Receivers::at(&answers, |pixel| images.film.position(pixel));
     let samples = images.film.sample(light, shadow, &answers, job.map.outside == Outside::Shadowed);
     Lit { answers, film: Some(film), samples, rays: 0 }
 }
 
 /// The pixels that face a light.
 pub(super) fn receivers(images: &ImagesFrame, light: &Light) -> Receivers {
-    receivers_of(images, &images.film.answers(light, images.shadow(light)))
-}
-
-fn receivers_of(images: &ImagesFrame, answers: &[Answer]) -> Receivers {
-    let mut receivers = Receivers::default();
-    for (pixel, answer) in answers.iter().enumerate().filter(|(_, answer)| **answer != Answer::Unlit) {
-        let Some(position) = images.film.position(pixel) else { continue };
-        receivers.pixels.push(pixel as u32);
-        receivers.positions.push(position);
-        receivers.shadowed.push(*answer == Answer::Shadowed);
-    }
-    receivers
+    let answers = images.film.answers(light, images.shadow(light));
+    Receivers::at(&answers, |pixel| images.film.position(pixel))
 }
 
 /// How far the depth range of a light's maps reaches past what is seen: as the job says, else a directional light's by the

@@ -74,9 +74,7 @@ pub(super) fn resize(maps: &mut [MapPlan], k: usize, size: [u32; 2], light: &Lig
     let answers = |p: DVec3| first_holding(domains.iter(), p) == Some(k);
     let looked_up = |s: &Seen| answers(s.position) && uv_of(&m, s.position).is_some_and(|(uv, _)| in_unit(uv));
     let inside: Vec<Seen> = seen.iter().copied().filter(looked_up).collect();
-    let MapBias { constant, slope, clamp, .. } = map.bias;
-    let bias = Bias { constant, slope, clamp: clamp.unwrap_or(f64::INFINITY) };
-    let units = bias_units(&m, size, light, &bias, inside.iter().map(|s| (s.position, s.normal)));
+    let units = bias_units(&m, size, light, &map.bias.drawn(), inside.iter().map(|s| (s.position, s.normal)));
     (map.bias.texels, map.bias.world) = (units.texels, units.world_m);
     map.f32_roundtrip_texels = f32_roundtrip(&m, size, &inside);
     [map.width, map.height] = size;

@@ -6,8 +6,8 @@
 use std::sync::Arc;
 
 use super::stage::Posed;
-use super::{Flicker, MapBias, MapPlan, domain};
-use crate::math::matrix_from_rows;
+use super::{Flicker, MapPlan, domain};
+use crate::math::{Domain, matrix_from_rows};
 use crate::measure::{
     Cache, Certainty, Drawn, Earlier, LightThenNow, Moment, Outside, Receivers, Verdict, flicker, reproject, wrong,
 };
@@ -15,6 +15,7 @@ use crate::raster::{Bias, Canvas, RasterError};
 use crate::resolution::{MapParams, SingleSided, TEXELS_MAX};
 use crate::scene::{Camera, Film, Light, Shot};
 use crate::visibility::{Bvh, RayOffset, Tracer, View};
+use glam::DMat4;
 
 /// What a frame gives to each of its lights.
 #[derive(Clone, Copy)]
@@ -140,16 +141,27 @@ pub(super) fn draw_map(
     tracer: &Tracer,
     light: &Light,
     map: &MapPlan,
-    [width, height]: [u32; 2],
+    size: [u32; 2],
     bias: Option<Bias>,
     sides: SingleSided,
 ) -> Result<Drawn, RasterError> {
     let clip_from_scene = matrix_from_rows(&map.clip_from_world);
-    let MapBias { constant, slope, clamp, .. } = map.bias;
-    let bias = bias.unwrap_or(Bias { constant, slope, clamp: clamp.unwrap_or(f64::INFINITY) });
+    let bias = bias.unwrap_or_else(|| map.bias.drawn());
+    Ok(draw(tracer, light, (domain::read(&map.domain), clip_from_scene), size, bias, sides)?.0)
+}
+
+/// Draws a map of a light; with the number of triangles that were drawn.
+pub(super) fn draw(
+    tracer: &Tracer,
+    light: &Light,
+    (domain, clip_from_scene): (Domain, DMat4),
+    [width, height]: [u32; 2],
+    bias: Bias,
+    sides: SingleSided,
+) -> Result<(Drawn, u64), RasterError> {
     let geometry = tracer.geometry();
     let mut canvas = Canvas::default();
     let keep = |index: u32| sides.draws(geometry, light, index);
-    canvas.draw(geometry, &clip_from_scene, width, height, bias, keep)?;
-    Ok(Drawn { domain: domain::read(&map.domain), clip_from_scene, map: canvas.map })
+    let counts = canvas.draw(geometry, &clip_from_scene, width, height, bias, keep)?;
+    Ok((Drawn { domain, clip_from_scene, map: canvas.map }, counts.drawn))
 }

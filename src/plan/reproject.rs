@@ -94,9 +94,8 @@ impl Steps<'_> {
             let alone = wrong(receivers, &drawn, self.job.map.outside);
             counts.insert(sizes, vec![certainty.verdict(&alone)]);
             let verdict: Verdict = certainty.verdict(&self.blended(&light.name, measured, &drawn).wrong);
-            let all = (verdict.certain.wrong() + verdict.uncertain) as f64 / crate::measure::UNCERTAIN_SLACK;
-            let ratio = all.max(verdict.certain.wrong() as f64) / self.limit();
-            Ok::<_, PlanError>(Probe { meets: verdict.meets(self.limit()), ratio })
+            let (meets, ratio) = (verdict.meets(self.limit()), verdict.least_limit() / self.limit());
+            Ok::<_, PlanError>(Probe { meets, ratio })
         })?;
         let Some(k) = found else { return Ok(None) };
         let chosen = ladder.sizes(k);

@@ -5,7 +5,7 @@ use super::fitted::{predict, predicted_bound};
 use super::judge::Judge;
 use super::{
     Bound, Drawing, FilmQuestion, FittedLight, Measure, Probe, SizeGrid, grown, polish, polishes, size_on_grid,
-    smallest,
+    smallest, texels,
 };
 use crate::measure::{Drawn, Verdict};
 use crate::methods::Prediction;
@@ -47,13 +47,6 @@ pub struct Certified {
     pub tried: Vec<Trial>,
 }
 
-impl Certified {
-    /// Texels of all maps.
-    fn texels(&self) -> f64 {
-        self.sizes.iter().map(|[w, h]| f64::from(*w) * f64::from(*h)).sum()
-    }
-}
-
 /// Chooses matrices and size by measurement: the size that the fitted maps need, better maps at that size and with its
 /// bias where the job asks for them, and the size that these need.
 pub fn choose(
@@ -66,13 +59,13 @@ pub fn choose(
     if !polishes(question.solver) {
         return Ok(first);
     }
-    fitted.texels = first.texels();
+    fitted.texels = texels(&first.sizes) as f64;
     let before = (fitted.clone(), judge.maps.clone());
     let size = |aspect: f64, texels: f64| size_on_grid(question.map, aspect, texels);
     polish(question, samples, fitted, judge, &Drawing { size: &size, bias: first.bias })?;
     let polished = smallest_size(question, fitted, judge, first.bias, None)?;
     // What is better at one size may be worse at the sizes that count.
-    if (polished.met && !first.met) || (polished.met == first.met && polished.texels() <= first.texels()) {
+    if (polished.met && !first.met) || (polished.met == first.met && texels(&polished.sizes) <= texels(&first.sizes)) {
         return Ok(polished);
     }
     (*fitted, judge.maps) = before;

@@ -21,4 +21,4 @@ pub use params::{AspectRule, BiasParams, Bound, MapParams, Measure, QualityParam
 pub use polish::{Drawing, polish, polishes, size_on_grid};
 pub use search::{Probe, grown, smallest};
 pub use shares::shares;
-pub use sizes::SizeGrid;
+pub use sizes::{SizeGrid, texels};

@@ -30,8 +30,7 @@ impl SizeGrid {
             let over = maps.iter().any(|(aspect, share)| {
                 side * (share * aspect.max(1.0 / aspect)).sqrt() > f64::from(params.max) * params.step
             });
-            let texels: u64 = entry.iter().map(|[w, h]| u64::from(*w) * u64::from(*h)).sum();
-            if (over || texels > TEXELS_MAX) && !sizes.is_empty() {
+            if (over || texels(&entry) > TEXELS_MAX) && !sizes.is_empty() {
                 break;
             }
             if sizes.last() != Some(&entry) {
@@ -59,7 +58,7 @@ impl SizeGrid {
 
     /// Texels of an entry.
     pub fn texels(&self, index: usize) -> f64 {
-        self.sizes[index].iter().map(|[w, h]| f64::from(*w) * f64::from(*h)).sum()
+        texels(&self.sizes[index]) as f64
     }
 
     /// The first entry with at least so many texels, else the last.
@@ -85,6 +84,11 @@ fn legal(width: f64, height: f64, params: &MapParams) -> [u32; 2] {
         h = w;
     }
     [w, h]
+}
+
+/// Texels of maps together.
+pub fn texels(sizes: &[[u32; 2]]) -> u64 {
+    sizes.iter().map(|[w, h]| u64::from(*w) * u64::from(*h)).sum()
 }
 
 #[cfg(test)]

@@ -83,6 +83,8 @@ pub(super) struct Placed {
     pub marks: Marks,
     /// Shared meshes.
     pub instances: Vec<Instance>,
+    /// Triangles left out because they have no area, by rounding to f32, a scale of zero or a deformation.
+    pub dropped: usize,
 }
 
 impl Placed {
@@ -111,9 +113,8 @@ pub(super) fn origin(bounds: &Bounds) -> DVec3 {
     DVec3::new(along(0), along(1), along(2))
 }
 
-/// Appends the triangles of a part in scene space, or its instance where its mesh is shared; returns how many were dropped because they have no area, by rounding
-/// to f32, a scale of zero or a deformation. A hidden part has none. Under a mirroring matrix the winding is turned, so
-/// that fronts stay fronts.
+/// Appends the triangles of a part in scene space, or its instance where its mesh is shared. A hidden part has none. Under a
+/// mirroring matrix the winding is turned, so that fronts stay fronts.
 ///
 /// # Errors
 /// [`SceneError::Pose`] when a vertex overflows f32.
@@ -125,15 +126,16 @@ pub(super) fn place_part(
     origin: DVec3,
     time_s: f64,
     out: &mut Placed,
-) -> Result<usize, SceneError> {
+) -> Result<(), SceneError> {
     let (state, mesh) = (rig.state(part, pose, time_s), rig.mesh(part));
     if state.hidden {
-        return Ok(0);
+        return Ok(());
     }
     if let Some(mesh) = shared.of(part) {
         let (instance, dropped) = instance::place(rig, part, &state, mesh, origin, time_s)?;
         out.instances.extend(instance);
-        return Ok(dropped);
+        out.dropped += dropped;
+        return Ok(());
     }
     let placed = state.vertices(mesh, |v| (v - origin).as_vec3());
     if !placed.iter().all(|v| v.is_finite()) {
@@ -151,7 +153,8 @@ pub(super) fn place_part(
             out.marks.push(if mirrored { mark.turned() } else { mark });
         }
     }
-    Ok(mesh.triangles.len() - (out.triangles.len() - before))
+    out.dropped += mesh.triangles.len() - (out.triangles.len() - before);
+    Ok(())
 }
 
 #[cfg(test)]

@@ -134,7 +134,7 @@ pub fn load(params: &ShotParams<'_>) -> Result<Shot, SceneError> {
     check_count(&model, &split)?;
     let shared = Shared::take(&mut model, [&split.still, &split.moving], params.visibility.instances);
     let still = bake_still(&mut model, &shared, &split, origin, first_s)?;
-    let moving = posed_triangles(Rig::of(&model), &shared, &split.moving, &split.first, origin, first_s)?;
+    let moving = placed(Rig::of(&model), &shared, &split.moving, &split.first, origin, first_s)?;
     // Moving parts may have none at the first frame only.
     let without = still.triangles.is_empty() && still.instances.is_empty() && !moving_may_be_there;
     if without && params.images.is_none() {
@@ -205,8 +205,8 @@ impl Scene {
         let light = |light: &LightSource| light.at(&self.nodes, &pose, self.origin, time_s);
         let lights = self.lights.iter().filter(|light| light.is_on(&pose)).map(light).collect::<Result<_, _>>()?;
         let rig = Rig { nodes: &self.nodes, meshes: &self.meshes, skins: &self.skins, instances: &self.instances };
-        let Placed { triangles: moving, marks: moving_marks, instances: moving_instances } =
-            posed_triangles(rig, &self.shared, &self.moving, &pose, self.origin, time_s)?;
+        let Placed { triangles: moving, marks: moving_marks, instances: moving_instances, .. } =
+            placed(rig, &self.shared, &self.moving, &pose, self.origin, time_s)?;
         Ok(SceneFrame { time_s, camera, lights, moving, moving_marks, moving_instances })
     }
 
@@ -250,8 +250,9 @@ fn bake_still(
     origin: DVec3,
     time_s: f64,
 ) -> Result<Placed, SceneError> {
-    let (still, dropped) = placed(Rig::of(model), shared, &split.still, &split.first, origin, time_s)?;
-    if dropped > 0 {
+    let still = placed(Rig::of(model), shared, &split.still, &split.first, origin, time_s)?;
+    if still.dropped > 0 {
+        let dropped = still.dropped;
         model.notes.push(format!("{dropped} triangles dropped that have no area once placed and rounded to f32"));
     }
     if origin != DVec3::ZERO {
@@ -260,18 +261,7 @@ fn bake_still(
     Ok(still)
 }
 
-fn posed_triangles(
-    rig: Rig<'_>,
-    shared: &Shared,
-    parts: &[Part],
-    pose: &Pose,
-    origin: DVec3,
-    time_s: f64,
-) -> Result<Placed, SceneError> {
-    placed(rig, shared, parts, pose, origin, time_s).map(|(placed, _)| placed)
-}
-
-/// The triangles and instances of parts, and how many triangles have no area.
+/// The triangles and instances of parts.
 fn placed(
     rig: Rig<'_>,
     shared: &Shared,
@@ -279,18 +269,18 @@ fn placed(
     pose: &Pose,
     origin: DVec3,
     time_s: f64,
-) -> Result<(Placed, usize), SceneError> {
-    let count = parts.iter().map(|part| rig.mesh(part).triangles.len() as u64).sum::<u64>();
+) -> Result<Placed, SceneError> {
+    let listed = parts.iter().filter(|part| shared.of(part).is_none());
+    let count = listed.map(|part| rig.mesh(part).triangles.len() as u64).sum::<u64>();
     let mut placed = Placed::default();
     if placed.triangles.try_reserve_exact(count as usize).is_err() {
         return Err(SceneError::TooManyTriangles { triangles: count, limit: u64::from(u32::MAX) });
     }
-    let mut dropped = 0;
     for part in parts {
-        dropped += place_part(rig, shared, part, pose, origin, time_s, &mut placed)?;
+        place_part(rig, shared, part, pose, origin, time_s, &mut placed)?;
     }
     placed.number();
-    Ok((placed, dropped))
+    Ok(placed)
 }
 
 fn surroundings(placed: &[&Placed], shared: &Shared, bounds: &Bounds, origin: DVec3) -> Surroundings {

@@ -2,8 +2,8 @@
 
 use super::sweep::{PRESETS, name};
 use super::{PointResult, Trade};
-use crate::budget::COLOURS;
 use crate::job::Preset;
+use crate::picture::{COLOURS, svg_head};
 
 /// The plotting area and the room around it, SVG units.
 const SIZE: [f64; 2] = [760.0, 440.0];
@@ -23,11 +23,7 @@ pub fn plot(trade: &Trade) -> String {
         y: Axis::over(trade.points.iter().map(price), SIZE[1]),
     };
     let (width, height) = (SIZE[0] + MARGIN[0] + 40.0, SIZE[1] + 2.0 * MARGIN[1]);
-    let head = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" \
-         height=\"{height}\" font-family=\"sans-serif\" font-size=\"13\">\n\
-         <rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n"
-    );
+    let head = svg_head(width, height);
     let mut lines = frame.grid();
     lines.extend(frame.stairs(trade));
     lines.extend(trade.points.iter().filter(|p| p.point.preset.is_none()).map(|p| frame.mark(p)));

@@ -2,10 +2,10 @@
 
 use crate::compare::sizes_of;
 use crate::job::Job;
-use crate::measure::{Outside, Receivers};
+use crate::measure::Receivers;
 use crate::plan::{FrameStage, LightPlan, PlanError, Settled};
 use crate::raster::{Bias, RasterError};
-use crate::resolution::{BiasParams, Bound, FilmQuestion, Judge, MapParams, Measure, grid_of, smallest, trial};
+use crate::resolution::{BiasParams, Bound, FilmQuestion, Judge, MapParams, Measure, grid_of, smallest, texels, trial};
 use crate::scene::Light;
 use crate::visibility::View;
 
@@ -53,11 +53,7 @@ impl Price {
 impl Truth<'_> {
     /// Whether a map has to be looked up for some pixel.
     pub(super) fn needs_a_map(&self) -> bool {
-        let shadowed = self.receivers.shadowed_count();
-        match self.job.map.outside {
-            Outside::Lit => shadowed > 0,
-            Outside::Shadowed => shadowed < self.receivers.len() as u64,
-        }
+        self.receivers.needing(self.job.map.outside) > 0
     }
 
     /// What a plan made with the settings of `point` comes to: its entry, and its maps where it has any.
@@ -132,9 +128,4 @@ impl Truth<'_> {
         };
         (meets, certain)
     }
-}
-
-/// Texels of all maps.
-pub(super) fn texels(sizes: &[[u32; 2]]) -> u64 {
-    sizes.iter().map(|[w, h]| u64::from(*w) * u64::from(*h)).sum()
 }

@@ -1,13 +1,13 @@
 //! Frames, points and repetitions, one after the other on all threads.
 
-use super::price::{Price, Truth, texels};
+use super::price::{Price, Truth};
 use super::summary::{Runs, summarise};
 use super::sweep::Point;
 use super::{Trade, TradeCase, TradeError};
 use crate::job::{Job, LoadedJob, Preset};
 use crate::measure::Receivers;
 use crate::plan::{LightPlan, PlanError, Settled, Stage, Stages, Watch, in_scene_space, open, plan_light};
-use crate::resolution::{Measure, QualityParams};
+use crate::resolution::{Measure, QualityParams, texels};
 use std::time::Instant;
 
 /// What is timed, and how often.

@@ -14,28 +14,7 @@ pub(crate) fn jobs() -> Vec<Vec<u8>> {
 /// A file with a mesh, its skinned, morphed and instanced kin, animations, a camera and a light, as .glb; and the JSON of
 /// the example's nodes, cameras, lights and animations.
 pub(crate) fn gltf() -> Vec<Vec<u8>> {
-    let mut gltf = Gltf::triangle();
-    let indices = gltf.indices(&[0, 1, 2]);
-    gltf.json["meshes"][0]["primitives"][0]["indices"] = json!(indices);
-    gltf.animate(1, "rotation", "LINEAR", &[0.0, 1.0], &[0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0]);
-    gltf.animate(0, "translation", "CUBICSPLINE", &[0.0, 1.0], &[0.5; 18]);
-    let joints = gltf.accessor("VEC4", 5121, 3, &[0; 12]);
-    let weights = gltf.f32s("VEC4", &[0.25; 12]);
-    let target = gltf.f32s("VEC3", &[0.5; 9]);
-    let mut primitive = gltf.json["meshes"][0]["primitives"][0].clone();
-    primitive["attributes"]["JOINTS_0"] = json!(joints);
-    primitive["attributes"]["WEIGHTS_0"] = json!(weights);
-    primitive["targets"] = json!([{ "POSITION": target }]);
-    let mesh = gltf.push("meshes", json!({ "primitives": [primitive], "weights": [0.5] }));
-    gltf.push("skins", json!({ "joints": [1] }));
-    let bent = gltf.root(json!({ "mesh": mesh, "skin": 0 }));
-    gltf.animate(bent, "weights", "LINEAR", &[0.0, 1.0], &[0.0, 1.0]);
-    let places = gltf.f32s("VEC3", &[1.0; 6]);
-    gltf.root(
-        json!({ "mesh": 0, "extensions": { "EXT_mesh_gpu_instancing": { "attributes": { "TRANSLATION": places } } } }),
-    );
-    gltf.animate_pointer("/cameras/0/perspective/yfov", "SCALAR", &[0.5, 1.0]);
-    vec![gltf.glb(), example()]
+    vec![Gltf::everything().glb(), example()]
 }
 
 /// The example without its meshes, its buffer's beginning as data, and a triangle instead.

@@ -80,6 +80,37 @@ impl Gltf {
         self.accessor("SCALAR", 5123, values.len(), &bytes)
     }
 
+    /// The usual start with indices and animations, a skinned and morphed copy, an instanced one, a hidden one, and a camera
+    /// whose lens moves.
+    pub(crate) fn everything() -> Self {
+        let mut gltf = Gltf::triangle();
+        let indices = gltf.indices(&[0, 1, 2]);
+        gltf.json["meshes"][0]["primitives"][0]["indices"] = json!(indices);
+        gltf.animate(1, "rotation", "LINEAR", &[0.0, 1.0], &[0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0]);
+        gltf.animate(0, "translation", "CUBICSPLINE", &[0.0, 1.0], &[0.5; 18]);
+        let joints = gltf.accessor("VEC4", 5121, 3, &[0; 12]);
+        let weights = gltf.f32s("VEC4", &[0.25; 12]);
+        let target = gltf.f32s("VEC3", &[0.5; 9]);
+        let mut primitive = gltf.json["meshes"][0]["primitives"][0].clone();
+        primitive["attributes"]["JOINTS_0"] = json!(joints);
+        primitive["attributes"]["WEIGHTS_0"] = json!(weights);
+        primitive["targets"] = json!([{ "POSITION": target }]);
+        let mesh = gltf.push("meshes", json!({ "primitives": [primitive], "weights": [0.5] }));
+        let inverse_bind = gltf.f32s("MAT4", glam::Mat4::IDENTITY.to_cols_array().as_slice());
+        gltf.push("skins", json!({ "joints": [1], "inverseBindMatrices": inverse_bind }));
+        let bent = gltf.root(json!({ "mesh": mesh, "skin": 0 }));
+        gltf.animate(bent, "weights", "LINEAR", &[0.0, 1.0], &[0.0, 1.0]);
+        let places = gltf.f32s("VEC3", &[1.0; 6]);
+        gltf.root(
+            json!({ "mesh": 0, "extensions": { "EXT_mesh_gpu_instancing": { "attributes": { "TRANSLATION": places } },
+            "KHR_node_visibility": { "visible": true } } }),
+        );
+        let visible = format!("/nodes/{}/extensions/KHR_node_visibility/visible", bent + 1);
+        gltf.animate_pointer(&visible, "SCALAR", &[0.0, 1.0]);
+        gltf.animate_pointer("/cameras/0/perspective/yfov", "SCALAR", &[0.5, 1.0]);
+        gltf
+    }
+
     /// Animates a node's property.
     pub(crate) fn animate(&mut self, node: usize, path: &str, interpolation: &str, times: &[f32], values: &[f32]) {
         let input = self.f32s("SCALAR", times);

@@ -2,9 +2,9 @@
 
 use super::authoring::document::{Content, Document, Placement};
 use super::authoring::mesh::{Mesh, cuboid, lathe, rounded, sheet};
-use super::authoring::prng::Prng;
 use super::{FOOTING_M, Palette, TERRACE_M};
 use glam::{DMat4, DVec2, DVec3, dvec2, dvec3};
+use lixel::math::Prng;
 
 /// Front edge of the terrace, and where its back wall hides it.
 const FRONT_Z: f64 = -6.2;
@@ -67,7 +67,7 @@ fn ground() -> Mesh {
 /// Flagstones on the axis of the stair, none quite level with the next: low steps that cast thin shadows.
 fn path() -> Mesh {
     let (across, along, width, depth) = (4, 22, 0.8, 0.7);
-    let mut random = Prng(3);
+    let mut random = Prng::seeded(3);
     let mut mesh = Mesh::default();
     for i in 0..across {
         for j in 0..along {

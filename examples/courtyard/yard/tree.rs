@@ -2,9 +2,9 @@
 
 use super::authoring::document::{Content, Document, Placement};
 use super::authoring::mesh::{Mesh, tube};
-use super::authoring::prng::Prng;
 use super::{FOOTING_M, Palette};
 use glam::{DMat4, DQuat, DVec3, dvec3};
+use lixel::math::Prng;
 use std::f64::consts::TAU;
 
 /// Turn from one branch (or leaf) to the next around its stem: the golden angle, radians.
@@ -40,7 +40,7 @@ pub(super) fn build(doc: &mut Document, palette: &Palette) -> usize {
         radius: 0.19,
         level: 0,
     };
-    tree.grow(&trunk, &mut Prng(7));
+    tree.grow(&trunk, &mut Prng::seeded(7));
     let wood = doc.mesh("trunk and branches", palette.bark, &tree.wood);
     let twig = doc.mesh("twig", palette.leaf, &twig());
 

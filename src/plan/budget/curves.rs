@@ -9,12 +9,13 @@ use super::super::pieces::planned;
 use super::super::stage::Stages;
 use super::super::{FramePlan, PlanError, Watch};
 use super::Search;
-use super::measure::{Sizes, texels};
+use super::measure::Sizes;
 use super::sizes::{Ladder, sizes_of};
 use super::units::{Unit, drawn_limit, limits, resident};
 use crate::budget::{BudgetParams, Curve, Item, Limit, Point, allocate, used};
 use crate::job::{Job, LoadedJob};
 use crate::measure::{Counts, Verdict};
+use crate::resolution::texels;
 use serde::Serialize;
 
 /// The curve is measured up to so many times the texels of the plan by epsilon.

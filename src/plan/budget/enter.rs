@@ -4,11 +4,11 @@ use super::super::light_entry::seen_on_film;
 use super::super::map_entry::resize;
 use super::super::stage::Stages;
 use super::super::{FramePlan, LightPlan, Measured, PlanError, Status, Tried, Watch};
-use super::measure::{Case, Counts, Sizes, each_entry, texels};
+use super::measure::{Case, Counts, Sizes, each_entry};
 use super::units::Unit;
 use crate::measure::{EDGE_ON_DEGREES, Verdict, wrong};
-use crate::raster::{Bias, RasterError};
-use crate::resolution::other_biases;
+use crate::raster::RasterError;
+use crate::resolution::{other_biases, texels};
 
 /// Writes the sizes chosen for each unit into its entries, with what was measured there.
 pub(super) fn enter(
@@ -111,8 +111,7 @@ fn self_shadow(stages: &Stages, case: &Case, sizes: &Sizes) -> Result<u64, Raste
     let all = wrong(case.receivers, &case.draw(sizes, None, stages)?, outside);
     let mut edge = all.clone();
     let Some(map) = case.entry.maps.first() else { return Ok(0) };
-    let clamp = map.bias.clamp.unwrap_or(f64::INFINITY);
-    for other in other_biases(Bias { constant: map.bias.constant, slope: map.bias.slope, clamp }) {
+    for other in other_biases(map.bias.drawn()) {
         let still_wrong = wrong(case.receivers, &case.draw(sizes, Some(other), stages)?, outside);
         edge.retain(|i| still_wrong.binary_search(i).is_ok());
     }

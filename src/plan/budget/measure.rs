@@ -6,6 +6,7 @@ use super::super::{FramePlan, LightPlan, PlanError, Stage, Watch};
 use super::units::Unit;
 use crate::measure::{Certainty, Drawn, Receivers, Verdict, wrong};
 use crate::raster::{Bias, RasterError};
+use crate::resolution::texels;
 use crate::scene::{Camera, Light};
 use crate::visibility::{RayOffset, Tracer, View, see};
 use std::collections::BTreeMap;
@@ -15,11 +16,6 @@ pub(in crate::plan) type Sizes = Vec<[u32; 2]>;
 
 /// What was measured of a unit at a size: a verdict an entry.
 pub(in crate::plan) type Counts = BTreeMap<Sizes, Vec<Verdict>>;
-
-/// Texels of maps together.
-pub(super) fn texels(sizes: &[[u32; 2]]) -> u64 {
-    sizes.iter().map(|[w, h]| u64::from(*w) * u64::from(*h)).sum()
-}
 
 /// Texels of maps that stay drawn for the frames that reuse them: 256 MiB.
 const TEXELS_HELD: u64 = 1 << 26;

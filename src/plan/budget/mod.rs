@@ -28,6 +28,7 @@ use super::stage::Stages;
 use super::{FramePlan, LightPlan, PlanError, Watch};
 use crate::budget::{Allocation, Curve, Item, Limit, Point, TooSmall, allocate, settle};
 use crate::measure::Verdict;
+use crate::resolution::texels;
 use measure::measure;
 use sizes::STEP;
 
@@ -135,7 +136,7 @@ impl Search {
     fn items(&self) -> Vec<Item> {
         let item = |(u, unit): (usize, &Unit)| {
             let point = |(sizes, verdicts): (&Sizes, &Vec<Verdict>)| Point {
-                texels: measure::texels(sizes) as f64,
+                texels: texels(sizes) as f64,
                 wrong: wrong_of(verdicts),
             };
             let points: Vec<Point> = self.counts[u].iter().map(point).collect();
@@ -207,7 +208,7 @@ impl Search {
 
     /// Of the sizes measured with so many texels the one with the fewest wrong pixels.
     fn spanning(&self, u: usize, texels: f64) -> Sizes {
-        let of = self.counts[u].iter().filter(|(sizes, _)| measure::texels(sizes) as f64 == texels);
+        let of = self.counts[u].iter().filter(|(sizes, _)| crate::resolution::texels(sizes) as f64 == texels);
         let fewest = of.min_by(|a, b| wrong_of(a.1).total_cmp(&wrong_of(b.1)));
         fewest.map_or_else(|| self.ladders[u].sizes(0), |(sizes, _)| sizes.clone())
     }
@@ -221,7 +222,7 @@ impl Search {
 /// The largest factor by which a price is outside of the gains at some sizes.
 fn imbalance(items: &[Item], sizes: &[Sizes], allocation: &Allocation) -> f64 {
     let of = |((item, sizes), price): ((&Item, &Sizes), &f64)| {
-        let [last, next] = item.curve.gains(measure::texels(sizes) as f64).map(|g| g * item.weight);
+        let [last, next] = item.curve.gains(texels(sizes) as f64).map(|g| g * item.weight);
         if *price > 0.0 { (price / last).max(next / price) } else { 1.0 }
     };
     items.iter().zip(sizes).zip(&allocation.prices).map(of).fold(1.0, f64::max)

@@ -1,8 +1,8 @@
 //! The sizes that a unit's maps may have, finely enough that marginal gains can be equal.
 
 use super::super::LightPlan;
-use super::measure::{Sizes, texels};
-use crate::resolution::{AspectRule, MapParams, SizeGrid};
+use super::measure::Sizes;
+use crate::resolution::{AspectRule, MapParams, SizeGrid, texels};
 
 /// Ratio of neighbouring sides before rounding to whole texels: 0.4 % of the texels, and of their gain less than 1 %.
 pub(super) const STEP: f64 = 1.002;

@@ -1,12 +1,12 @@
 //! The maps that a light of a frame is looked up in, as far as a draft names them.
 
+use super::super::remeasure::draw;
 use super::super::whole_shot::Ready;
 use super::super::{MapPlan, domain};
 use super::{FrameLight, LightDraft, Way};
 use crate::math::{Domain, matrix_from_rows};
-use crate::measure::Drawn;
-use crate::raster::{Bias, Canvas, RasterError};
-use crate::resolution::SingleSided;
+use crate::raster::{Bias, RasterError};
+use crate::resolution::{SingleSided, texels};
 use crate::scene::Light;
 use crate::visibility::Tracer;
 use glam::DMat4;
@@ -39,11 +39,7 @@ impl LookedUp {
                 let map =
                     |m: &MapPlan| (domain::read(&m.domain), matrix_from_rows(&m.clip_from_world), [m.width, m.height]);
                 // All maps of a light share its bias.
-                let bias = maps.first().map_or(Bias::NONE, |m| Bias {
-                    constant: m.bias.constant,
-                    slope: m.bias.slope,
-                    clamp: m.bias.clamp.unwrap_or(f64::INFINITY),
-                });
+                let bias = maps.first().map_or(Bias::NONE, |m| m.bias.drawn());
                 Some(LookedUp { maps: maps.iter().map(map).collect(), bias })
             }
         }
@@ -51,15 +47,12 @@ impl LookedUp {
 
     /// Draws them.
     pub(super) fn draw(&self, tracer: &Tracer, light: &Light, sides: SingleSided) -> Result<Ready, RasterError> {
-        let geometry = tracer.geometry();
-        let keep = |index: u32| sides.draws(geometry, light, index);
         let (mut drawn, mut counts) = (Vec::with_capacity(self.maps.len()), [0, 0]);
-        for (domain, clip_from_scene, [width, height]) in &self.maps {
-            let mut canvas = Canvas::default();
-            let found = canvas.draw(geometry, clip_from_scene, *width, *height, self.bias, keep)?;
-            counts[0] += u64::from(*width) * u64::from(*height);
-            counts[1] += found.drawn;
-            drawn.push(Drawn { domain: domain.clone(), clip_from_scene: *clip_from_scene, map: canvas.map });
+        for (domain, clip_from_scene, size) in &self.maps {
+            let (map, triangles) = draw(tracer, light, (domain.clone(), *clip_from_scene), *size, self.bias, sides)?;
+            counts[0] += texels(&[*size]);
+            counts[1] += triangles;
+            drawn.push(map);
         }
         Ok(Ready { drawn: Arc::new(drawn), counts })
     }

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Rows;
 use crate::methods::Method;
+use crate::raster::Bias;
 
 /// A shadow map: its matrix, its size, and how to draw it and look it up.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
@@ -141,6 +142,13 @@ pub struct MapBias {
     pub texels: f64,
     /// The largest bias over the covered receivers, metres along the light.
     pub world: f64,
+}
+
+impl MapBias {
+    /// As maps are drawn with it.
+    pub(crate) fn drawn(&self) -> Bias {
+        Bias { constant: self.constant, slope: self.slope, clamp: self.clamp.unwrap_or(f64::INFINITY) }
+    }
 }
 
 /// A shadow matrix as a camera: placement, off-centre frustum, skew.

@@ -101,8 +101,7 @@ pub(super) fn knew_pixels(job: &Job) -> bool {
 /// Whether the status is one that film-resolution visibility allows, and goes with the maps and flags beside it.
 pub(super) fn status_faults(entry: &LightPlan, receivers: &Receivers, job: &Job) -> Vec<String> {
     let mut faults = Vec::new();
-    let shadowed = receivers.shadowed_count();
-    let needed = if job.map.outside == Outside::Lit { shadowed } else { receivers.len() as u64 - shadowed };
+    let needed = receivers.needing(job.map.outside);
     let has_maps = matches!(entry.status, Status::Planned | Status::NotMet);
     if has_maps == entry.maps.is_empty() || has_maps != entry.error.is_some() {
         faults.push(format!("status {:?} does not go with {} maps", entry.status, entry.maps.len()));
