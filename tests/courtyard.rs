@@ -9,7 +9,10 @@ use glam::{DMat4, DQuat, DVec3};
 use gltf::animation::Interpolation;
 use gltf::animation::util::ReadOutputs;
 use gltf::khr_lights_punctual::Kind;
+use lixel::plan::{self, Status, Watch};
 use std::collections::HashMap;
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
 
 const COMMITTED: &[u8] = include_bytes!("../examples/courtyard/courtyard.glb");
 
@@ -112,7 +115,7 @@ fn fence_bars_are_two_centimetres_thick() {
 }
 
 #[test]
-fn ninety_frames_of_a_walk_and_a_gate() {
+fn ninety_frames_of_a_walk_a_gate_and_a_turning_spot() {
     let (document, blob) = courtyard();
     let animation = document.animations().next().unwrap();
     let mut seen = Vec::new();
@@ -135,8 +138,12 @@ fn ninety_frames_of_a_walk_and_a_gate() {
         }
         seen.push((channel.target().node().name().unwrap().to_owned(), interpolation));
     }
-    let expected =
-        [("gate", Interpolation::Linear), ("walk", Interpolation::CubicSpline), ("walk", Interpolation::Linear)];
+    let expected = [
+        ("spot", Interpolation::Linear),
+        ("gate", Interpolation::Linear),
+        ("walk", Interpolation::CubicSpline),
+        ("walk", Interpolation::Linear),
+    ];
     assert_eq!(seen, expected.map(|(node, how)| (node.to_owned(), how)));
 }
 
@@ -155,40 +162,25 @@ fn sun_grazes_lamp_and_spot_are_bounded() {
     assert!((outer_cone_angle.to_degrees() - 35.0).abs() < 0.01 && spot.range().is_some());
 }
 
-/// In the last frame everything the spot can reach lies beyond the right edge of the picture: no shadow of it is seen.
+/// The spot lights ground that is seen and throws no shadow there, at the film's full resolution; then all it reaches has
+/// left the picture.
 #[test]
-fn spot_is_out_of_the_last_picture() {
-    let (document, blob) = courtyard();
-    let walk = document.nodes().find(|node| node.name() == Some("walk")).unwrap();
-    let (mut position, mut rotation) = (DVec3::ZERO, DQuat::IDENTITY);
-    let animation = document.animations().next().unwrap();
-    for channel in animation.channels().filter(|channel| channel.target().node().index() == walk.index()) {
-        match channel.reader(|_| Some(&blob)).read_outputs().unwrap() {
-            // A cubic spline's last value stands before its last tangent.
-            ReadOutputs::Translations(values) => {
-                let values: Vec<_> = values.collect();
-                position = DVec3::from(values[values.len() - 2].map(f64::from));
-            }
-            ReadOutputs::Rotations(values) => {
-                rotation = DQuat::from_array(values.into_f32().last().unwrap().map(f64::from));
-            }
-            _ => {}
-        }
-    }
-    let camera = walk.camera().unwrap();
-    let gltf::camera::Projection::Perspective(lens) = camera.projection() else {
-        panic!("the camera is a perspective one")
-    };
-    let half_width = (0.5 * f64::from(lens.yfov())).tan() * f64::from(lens.aspect_ratio().unwrap());
-    // The plane through the eye and the picture's right edge: seen points p have (p - position) · outward ≤ 0.
-    let outward = (rotation * DVec3::new(1.0, 0.0, half_width)).normalize();
-
-    let (world, kind, spot) = light(&document, "spot");
-    let Kind::Spot { outer_cone_angle, .. } = kind else { panic!("the spot is no spot") };
-    let axis = -world.z_axis.truncate().normalize();
-    // The point of the cone farthest against `outward`: its tip, or on the rim of the sphere of its range.
-    let angle = (-outward).angle_between(axis) - f64::from(outer_cone_angle);
-    let reach = f64::from(spot.range().unwrap()) * angle.max(0.0).cos().max(0.0);
-    let clearance = (world.w_axis.truncate() - position).dot(outward) - reach;
-    assert!(clearance > 0.1, "{clearance} m");
+fn spot_throws_no_shadow_and_then_leaves_the_picture() {
+    let never = AtomicBool::new(false);
+    let watch = Watch { progress: &|_| (), cancel: &never, notes: &|_| () };
+    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/courtyard"));
+    let only_the_spot =
+        "light = [{ name = 'spot' }]\n[frames]\nrange = '60,72,74,76,86'\n[shot]\ntemporal = 'per-frame'";
+    let job = lixel::job::load(&folder.join("courtyard.toml"), &only_the_spot.parse().unwrap()).unwrap();
+    let plan = plan::make(&job, folder, false, &watch).unwrap();
+    let statuses: Vec<Status> = plan.frames.iter().map(|f| f.lights[0].status).collect();
+    let none = Status::NoVisibleShadow;
+    assert_eq!(statuses, [Status::Planned, none, none, none, Status::Unlit]);
+    let lit = &plan.frames[1].lights[0];
+    assert!(lit.maps.is_empty() && lit.cost.solver_evaluations == 0 && lit.cost.texels_drawn == 0);
+    // Of its rays, those that are not the picture's own ask pixels which the spot lights.
+    let film = u64::from(plan.frames[1].camera.width) * u64::from(plan.frames[1].camera.height);
+    let unlit = &plan.frames[4].lights[0].cost;
+    assert!(unlit.rays >= film && lit.cost.rays > unlit.rays + 5000, "{} lit", lit.cost.rays - unlit.rays);
+    assert!(plan::verify(&plan, folder, &watch).unwrap().passed);
 }

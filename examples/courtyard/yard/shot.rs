@@ -5,6 +5,9 @@ use super::authoring::pose::{frame_time_s, looking};
 use super::authoring::schema;
 use glam::{DVec3, dvec3};
 
+/// The shot ends with this frame.
+pub(super) const LAST_FRAME: f64 = 90.0;
+
 /// The camera's keys: frame, where it is, what it looks at.
 const WALK: [(f64, DVec3, DVec3); 6] = [
     (1.0, dvec3(-5.4, 1.62, 11.2), dvec3(-2.7, 1.0, 0.0)),
@@ -12,7 +15,7 @@ const WALK: [(f64, DVec3, DVec3); 6] = [
     (36.0, dvec3(-4.2, 1.60, 6.8), dvec3(2.6, 1.1, 1.6)),
     (54.0, dvec3(-3.0, 1.64, 4.2), dvec3(2.4, 1.5, -2.6)),
     (72.0, dvec3(-1.8, 1.62, 1.6), dvec3(0.8, 2.0, -6.5)),
-    (90.0, dvec3(-0.9, 1.66, -0.5), dvec3(0.3, 2.3, -8.0)),
+    (LAST_FRAME, dvec3(-0.9, 1.66, -0.5), dvec3(0.3, 2.3, -8.0)),
 ];
 
 /// Height of the sun above the horizon, and the compass bearing its light travels to, from east (+x) to north (-z).

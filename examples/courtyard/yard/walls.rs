@@ -1,10 +1,11 @@
 //! The two walls: the house behind the arcade, its openings closed by shutters; and the garden wall in the east, which
 //! light and sight pass through, with the bracket of the light `spot`.
 
-use super::authoring::document::{Content, Document, Placement, units};
+use super::authoring::document::{Content, Document, Keys, Placement, units};
 use super::authoring::mesh::{Mesh, lathe, tube};
+use super::authoring::pose::frame_time_s;
 use super::authoring::schema;
-use super::{FOOTING_M, Palette, TERRACE_M};
+use super::{FOOTING_M, Palette, TERRACE_M, shot};
 use glam::{DMat4, DQuat, DVec2, DVec3, dvec3};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_8};
 
@@ -16,6 +17,10 @@ const THICKNESS: f64 = 0.45;
 /// The spot: where it is, and a point it is aimed at.
 const SPOT: DVec3 = dvec3(GARDEN_X - 0.95, 3.1, 3.2);
 const SPOT_TARGET: DVec3 = dvec3(8.4, 0.3, 3.9);
+/// Late in the shot, when its pool has left the picture, the spot swivels in its shade and shows the edge of the pool again:
+/// bare ground, on which it throws no shadow. Frames of the turn, and the point it is aimed at then.
+const SPOT_TURNS: [f64; 2] = [70.0, 72.0];
+const SPOT_LATE_TARGET: DVec3 = dvec3(9.0, 0.0, 2.5);
 const SPOT_RANGE_M: f64 = 11.0;
 /// Half angles.
 const SPOT_INNER_DEGREES: f64 = 28.0;
@@ -160,6 +165,9 @@ fn bracket(doc: &mut Document, palette: &Palette) -> usize {
         }),
     });
     let light = doc.node("spot", Content::Light(light), Placement::default(), vec![]);
+    let late = rotation.conjugate() * DQuat::from_rotation_arc(DVec3::NEG_Z, (SPOT_LATE_TARGET - SPOT).normalize());
+    let times = [1.0, SPOT_TURNS[0], SPOT_TURNS[1], shot::LAST_FRAME].map(frame_time_s);
+    doc.animate(light, &times, Keys::Rotation(vec![DQuat::IDENTITY, DQuat::IDENTITY, late, late]));
     let place = Placement { translation: SPOT, rotation, ..Placement::default() };
     let shade = doc.node("shade", Content::Mesh(shade), place, vec![light]);
 
