@@ -29,6 +29,9 @@ pub struct Conventions {
     pub depth: String,
     /// How a map is filtered.
     pub filter: String,
+    /// What `near` and `far` are, and their unit.
+    #[serde(default)]
+    pub depth_range: String,
     /// What is added to a caster's depth when the map is drawn.
     pub bias: String,
     /// How many bits the stored depth has.
@@ -81,6 +84,9 @@ impl Default for Conventions {
             depth: words(
                 "receiver depth is clamped to [0, 1]; the point is in shadow when the stored depth is less than it",
             ),
+            depth_range: words(
+                "near and far of a map are metres: of the nearest and the farthest thing that its depth range keeps, from the light along the map's axis, or of a directional light along its direction from the origin (may be negative); the matrix leaves a margin at both ends; near and far of light_camera are metres along its view axis to where clip depth is -1 and 1",
+            ),
             filter: words("nearest texel: (floor(u * width), floor(v * height))"),
             bias: words(
                 "stored = depth + constant + min(slope * max(|z_u|, |z_v|), clamp) in window depth, z_u and z_v the caster's depth slopes per texel; no clamp key means no clamp",
@@ -90,7 +96,7 @@ impl Default for Conventions {
                 "points outside a spot's cone (cone_degrees from its axis) or beyond a light's range are unlit: no map is looked up",
             ),
             witnesses: words(
-                "points on surfaces of the frame with the uv and depth that clip_from_world gives them, and whether they are in shadow exactly: check an importer with them",
+                "points with the uv and depth that clip_from_world gives them, and whether they are in shadow exactly: check an importer with them; points on surfaces of the frame, some lifted towards the light, and where few are seen others that the map holds",
             ),
         }
     }

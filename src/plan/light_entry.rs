@@ -1,6 +1,7 @@
 //! One light of one frame: from rays to an entry of the plan.
 
-use super::map_entry::{Chosen, Seen, map_entry};
+use super::map_entry::{Chosen, map_entry};
+use super::seen::{Seen, seen_by, seen_on_film};
 use super::stage::{FrameStage, Lit, measures};
 use super::{FromImages, LightError, LightPlan, MapPlan, Measured, PlanError, Predicted, SolverReport, Status, Tried};
 use crate::job::Job;
@@ -8,14 +9,11 @@ use crate::math::first_holding;
 use crate::measure::{EDGE_ON_DEGREES, Outside, Receivers};
 use crate::methods::Region;
 use crate::resolution::{self, Bound, Certified, FittedLight, Judge, JudgedMap, certify, fit_light, predict_only};
-use crate::scene::{Camera, Film, Light, VisibilitySource};
+use crate::scene::{Film, Light, VisibilitySource};
 use crate::shot::in_frame;
-use crate::visibility::{Answer, Surface, Tracer, View};
+use crate::visibility::Answer;
 use glam::DVec3;
 use std::time::Instant;
-
-/// Most visible points kept for bias, witnesses and round trips.
-const SEEN_MAX: usize = 4096;
 
 /// Plans one light. `timings` adds wall time; `given` are the regions to measure, where they are not to be fitted here.
 pub(super) fn light_entry(
@@ -277,19 +275,4 @@ pub(super) fn seen(stage: &FrameStage, answers: &[Answer], film: Option<&Receive
             })
             .collect(),
     }
-}
-
-/// The pixels of a light, evenly thinned.
-pub(super) fn seen_on_film(tracer: &Tracer, view: &View, camera: &Camera, film: &Receivers) -> Vec<Seen> {
-    seen_by(film, |pixel| view.surface(tracer, camera, pixel))
-}
-
-/// The same with the surface of a pixel from elsewhere.
-fn seen_by(film: &Receivers, surface_of: impl Fn(usize) -> Option<Surface>) -> Vec<Seen> {
-    let stride = film.len().div_ceil(SEEN_MAX).max(1);
-    let point = |i: usize| {
-        let surface = surface_of(film.pixels[i] as usize)?;
-        Some(Seen { position: film.positions[i], normal: surface.normal, shadowed: film.shadowed[i] })
-    };
-    (0..film.len()).step_by(stride).filter_map(point).collect()
 }

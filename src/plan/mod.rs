@@ -18,11 +18,13 @@ mod read;
 mod remeasure;
 mod render;
 mod reproject;
+mod seen;
 mod stage;
 mod types;
 mod verify;
 mod watch;
 mod whole_shot;
+mod witnesses;
 mod write;
 
 pub use budget::{BudgetCurves, BudgetPoint, LightCurve, LightPoint, PlanPoint, budget_curves};

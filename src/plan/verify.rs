@@ -6,14 +6,15 @@
 //! A plan from images is held against them: what is in shadow lies in a map, what looks a map up in its depth range, and
 //! witnesses are as the images have them. Nothing can be drawn, so nothing is counted.
 //!
-//! Not checked: `near` and `far` in metres, the number of witnesses, the bias in texels and metres and the f32 round trip,
-//! the prediction, and what planning cost.
+//! Not checked: `near` and `far` in metres, the prediction, and what planning cost; and where the plan was not measured, the
+//! bias in texels and metres and the f32 round trip, which are those of points of its planning grid.
 
 mod across;
 mod claims;
 mod images;
 mod light;
 mod restated;
+mod units;
 mod witness;
 
 use std::path::Path;

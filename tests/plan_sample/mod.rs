@@ -43,6 +43,7 @@ pub(crate) fn map(domain: Domain, light_camera: Option<LightCamera>) -> MapPlan 
         light_camera,
         light_camera_reason,
         witnesses: vec![Witness { world: [1.0, 2.0, 3.0], uv: [0.25, 0.75], depth: 0.5, shadowed: true }; 6],
+        witnesses_reason: None,
         f32_roundtrip_texels: 1.5e-4,
     }
 }

@@ -1,7 +1,7 @@
 //! The entries of a plan at other sizes.
 
-use super::super::light_entry::seen_on_film;
 use super::super::map_entry::resize;
+use super::super::seen::seen_on_film;
 use super::super::stage::Stages;
 use super::super::{FramePlan, LightPlan, Measured, PlanError, Status, Tried, Watch};
 use super::measure::{Case, Counts, Sizes, each_entry};

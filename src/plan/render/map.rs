@@ -3,8 +3,8 @@
 use glam::DVec2;
 
 use super::super::MapPlan;
-use super::super::map_entry::uv_of;
 use super::super::remeasure::Remeasured;
+use super::super::seen::uv_of;
 use crate::math::{convex_hull, first_holding};
 use crate::picture::{Channel, Colour, Picture, mix, scaled};
 use crate::raster::{DepthMap, FAR};

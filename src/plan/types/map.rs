@@ -34,7 +34,11 @@ pub struct MapPlan {
     pub light_camera_reason: Option<String>,
     /// Points to check an importer with: at least 6, not coplanar, extremes of the covered set among them.
     pub witnesses: Vec<Witness>,
-    /// Largest shift of a covered point, texels, when the matrix is rounded to f32.
+    /// Why the witnesses are fewer, or coplanar.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub witnesses_reason: Option<String>,
+    /// Largest shift of a covered point, texels, when the matrix is rounded to f32. Of the covered points this and the bias in
+    /// other units take at most 4096, evenly thinned.
     pub f32_roundtrip_texels: f64,
 }
 
@@ -193,7 +197,8 @@ pub struct Frustum {
     pub far: f64,
 }
 
-/// A point of the frame's surfaces, what the matrix gives it, and whether it is in shadow.
+/// A point, what the matrix gives it, and whether it is in shadow: of the frame's surfaces, between one of them and the
+/// light, or, where few are seen, anywhere in what the map holds.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
 pub struct Witness {
     /// Relative to the origin, metres.

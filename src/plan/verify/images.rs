@@ -5,9 +5,10 @@
 //! the measured value is what counts.
 
 use super::super::images::receivers;
+use super::super::seen::seen_by;
 use super::super::{LightPlan, Plan, PlanError, Stage, Watch, domain};
 use super::light::{domain_fault, status_faults, unchecked, witnesses};
-use super::{LightCheck, Outcome, Verification, claims, restated};
+use super::{LightCheck, Outcome, Verification, claims, restated, units};
 use crate::aov::{Images, ImagesFrame};
 use crate::job::Job;
 use crate::math::{first_holding, matrix_from_rows};
@@ -59,6 +60,8 @@ fn check(seen: &ImagesFrame, frame: i64, entry: &LightPlan, light: &Light, job: 
     check.reasons.extend(domain_fault(&receivers, &maps, job));
     check.reasons.extend(cover_fault(&receivers, &maps, job));
     check.reasons.extend(restated::faults(entry, &receivers, &maps, job));
+    let seen_points = seen_by(&receivers, |pixel| seen.film.surface(pixel));
+    check.reasons.extend(units::faults(entry, light, &seen_points));
     witnesses(&mut check, entry, |point| shadowed_at(seen, &receivers, light, point));
     let value = (job.quality.bound == Bound::Footprint && !maps.is_empty()).then(|| {
         let surface = |pixel: usize| seen.film.surface(pixel);

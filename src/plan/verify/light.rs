@@ -1,8 +1,10 @@
 //! One light of one frame: measured again, and compared with what the plan says of it.
 
 use super::super::remeasure::{Remeasured, Seeing, remeasure};
+use super::super::seen::seen_on_film;
+use super::super::witnesses::lacking;
 use super::super::{LightPlan, MapPlan, Measured, Status, Tried};
-use super::{LightCheck, Outcome, claims, restated, witness};
+use super::{LightCheck, Outcome, claims, restated, units, witness};
 use crate::job::Job;
 use crate::math::first_holding;
 use crate::measure::{Drawn, EDGE_ON_DEGREES, Outside, Receivers, Verdict, edge_distance, footprint};
@@ -51,6 +53,10 @@ pub(super) fn check(
     check.reasons.extend(domain_fault(&measured.receivers, &measured.drawn, job));
     check.reasons.extend(count_faults(seeing, entry, &measured.verdict, of_pixels, job));
     check.reasons.extend(restated::faults(entry, &measured.receivers, &measured.drawn, job));
+    if knew_pixels(job) && !entry.maps.is_empty() {
+        let seen = seen_on_film(seeing.tracer, seeing.view, seeing.camera, &measured.receivers);
+        check.reasons.extend(units::faults(entry, light, &seen));
+    }
     let at_quantile = at_quantile(seeing, &measured, job);
     check.reasons.extend(at_quantile.and_then(|now| value_fault(entry, now, job)));
     witnesses(&mut check, entry, |point| Some(witness::is_shadowed(seeing, light, point)));
@@ -85,10 +91,22 @@ pub(super) fn witnesses(check: &mut LightCheck, entry: &LightPlan, is_shadowed: 
     };
     let faults: Vec<String> = entry.maps.iter().enumerate().flat_map(of_map).collect();
     check.witnesses_held = check.witnesses - faults.len() as u64;
+    check.reasons.extend(entry.maps.iter().enumerate().filter_map(set_fault));
     let more = faults.len().saturating_sub(LISTED);
     check.reasons.extend(faults.into_iter().take(LISTED));
     if more > 0 {
         check.reasons.push(format!("{more} more witnesses do not hold"));
+    }
+}
+
+/// A map has witnesses enough, and not coplanar, or says why not.
+fn set_fault((k, map): (usize, &MapPlan)) -> Option<String> {
+    match (lacking(&map.witnesses), &map.witnesses_reason) {
+        (Some(lack), None) => Some(format!("map {k} has {lack}, and does not say why")),
+        (None, Some(_)) => {
+            Some(format!("map {k} gives a reason why its witnesses lack something, and they lack nothing"))
+        }
+        _ => None,
     }
 }
 

@@ -49,7 +49,7 @@ pub(super) fn fault(
 }
 
 /// u, v and depth of a point, and how far two evaluations of them may lie apart; `None` behind the light.
-fn window(clip_from_scene: &DMat4, point: DVec3) -> Option<([f64; 3], [f64; 3])> {
+pub(super) fn window(clip_from_scene: &DMat4, point: DVec3) -> Option<([f64; 3], [f64; 3])> {
     let point = point.extend(1.0);
     let clip = *clip_from_scene * point;
     let rows = clip_from_scene.transpose();
