@@ -142,6 +142,100 @@ fn a_still_light_over_still_casters_is_drawn_once_and_does_not_flicker() {
     assert!(shot.summary.texels_drawn * 2 < alone.summary.texels_drawn);
 }
 
+/// A camera that pauses, twice at the same place, over a box that moves and comes back.
+const PAUSES: &str = "
+[frames]
+range = '1-9'
+[shot]
+temporal = 'per-frame'
+[camera]
+look_at = [0.0, 0.5, 0.0]
+key = [
+    { frame = 1, position = [7.0, 3.0, 4.0] },
+    { frame = 3, position = [7.0, 3.0, 4.0] },
+    { frame = 4, position = [5.0, 2.6, 6.5] },
+    { frame = 5, position = [5.0, 2.6, 6.5] },
+    { frame = 6, position = [7.0, 3.0, 4.0] },
+    { frame = 9, position = [7.0, 3.0, 4.0] },
+]
+";
+
+/// Frames that are equal to an earlier one refer to it; all else is as if they were planned, in every split.
+#[test]
+fn equal_frames_are_planned_once() {
+    let folder = tempfile::tempdir().unwrap();
+    scene(folder.path(), None);
+    let short = planned(folder.path(), PAUSES);
+    let full = planned(folder.path(), &format!("{PAUSES}[quality]\nmeasure = 'full'"));
+    assert_holds(&short, folder.path());
+    assert_holds(&full, folder.path());
+    let says: Vec<_> = of(&short, "sun")
+        .iter()
+        .map(|l| l.temporal.clone().unwrap())
+        .map(|t| (t.same_as, t.drawn_at, t.reused_from))
+        .collect();
+    let first = |from| (Some(1), None, Some(from));
+    let expected = [
+        (None, Some(1), None),
+        first(1),
+        first(1),
+        (None, Some(4), None),
+        (Some(4), None, Some(4)),
+        (Some(1), Some(6), None),
+        first(6),
+        first(6),
+        first(6),
+    ];
+    assert_eq!(says, expected);
+    // Nothing is left out of the answers, and nothing counted twice of what they took.
+    let bare = |l: &LightPlan| LightPlan { temporal: None, cost: plan::Cost::default(), ..l.clone() };
+    for (short, full) in of(&short, "sun").iter().zip(of(&full, "sun")) {
+        assert_eq!(bare(short), bare(&full));
+        let temporal = short.temporal.as_ref().unwrap();
+        let cost = if temporal.same_as.is_some() { plan::Cost::default() } else { full.cost };
+        assert_eq!(short.cost, cost);
+    }
+    assert_eq!(short.summary.flicker, full.summary.flicker);
+    assert_eq!((short.summary.texels, short.summary.met), (full.summary.texels, full.summary.met));
+    assert!(short.summary.texels_drawn * 2 < full.summary.texels_drawn);
+
+    // In parts, and with finished work kept.
+    let text = |plan: &Plan| plan::to_text(plan, plan::Format::Json).unwrap();
+    let job = load(folder.path(), WALK, PAUSES);
+    let kept = folder.path().join("work");
+    for _ in 0..2 {
+        let worked = watched(|watch| plan::make_in(&job, folder.path(), false, Some(&kept), watch)).unwrap();
+        assert!(text(&worked) == text(&short));
+    }
+    let file = |name: &str| folder.path().join(name);
+    let ranges = ["7-9", "1-2", "3-6"];
+    let parts = |kind: &str| ranges.iter().map(|range| file(&format!("{kind}-{range}"))).collect::<Vec<_>>();
+    for (range, to) in ranges.iter().zip(parts("sampled")) {
+        watched(|watch| plan::sample(&job, Some(range), &to, watch)).unwrap();
+    }
+    let draft = file("draft");
+    watched(|watch| plan::solve(&parts("sampled"), None, &draft, watch)).unwrap();
+    for (range, to) in ranges.iter().zip(parts("certified")) {
+        watched(|watch| plan::certify(&draft, Some(range), None, &to, watch)).unwrap();
+    }
+    let merged = watched(|watch| plan::merge(&parts("certified"), None, folder.path(), &file("again"), watch)).unwrap();
+    let plan::Merged::Plan(merged) = merged else { panic!("no frame asks for another size") };
+    assert!(text(&merged) == text(&short));
+
+    // What is said of another frame is checked.
+    let mut wrong = short.clone();
+    wrong.frames[5].lights[0].temporal.as_mut().unwrap().same_as = Some(4);
+    assert!(!verify(&wrong, folder.path()).passed);
+
+    // Where something moves, frames are equal as long as it stands still.
+    let moving = tempfile::tempdir().unwrap();
+    scene(moving.path(), Some([0.5, 0.0, 0.5]));
+    let frames = planned(moving.path(), PAUSES);
+    assert_holds(&frames, moving.path());
+    let same: Vec<_> = of(&frames, "sun").iter().map(|l| l.temporal.as_ref().unwrap().same_as).collect();
+    assert_eq!(same, [None, None, None, None, None, None, None, Some(7), Some(7)], "it moves until frame 7");
+}
+
 #[test]
 fn what_moves_in_a_map_has_it_drawn_again_under_the_same_matrix() {
     let folder = tempfile::tempdir().unwrap();

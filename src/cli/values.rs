@@ -123,7 +123,7 @@ mod tests {
     fn flags_take_the_names_of_the_job() {
         assert_eq!(names(values::<Preset>()), ["draft", "standard", "thorough"]);
         assert_eq!(names(values::<Bound>()), ["misclassified", "displacement", "footprint"]);
-        assert_eq!(names(values::<Measure>()), ["always", "check", "never"]);
+        assert_eq!(names(values::<Measure>()), ["always", "full", "check", "never"]);
         assert_eq!(names(values::<Format>()), ["json", "toml"]);
         assert_eq!(names(values::<Method>())[3], "scene-optimal");
     }

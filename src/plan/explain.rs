@@ -126,7 +126,8 @@ fn across(light: &LightPlan) -> Option<String> {
     let temporal = light.temporal.as_ref()?;
     let segment = temporal.segment.map(|[a, b]| format!("one matrix for frames {a} to {b}"));
     let reused = temporal.reused_from.map(|frame| format!("drawn in frame {frame} and used again"));
-    let parts: Vec<String> = segment.into_iter().chain(reused).collect();
+    let same = temporal.same_as.map(|frame| format!("equal to frame {frame}, nothing was computed"));
+    let parts: Vec<String> = segment.into_iter().chain(same).chain(reused).collect();
     (!parts.is_empty()).then(|| parts.join(", "))
 }
 

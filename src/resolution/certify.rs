@@ -118,7 +118,7 @@ fn smallest_size(
     let (count, step) = (grid.len(), question.map.step);
     let found = match question.quality.measure {
         Measure::Check => grown(count, guess, step, &mut probe)?,
-        Measure::Always | Measure::Never => smallest(count, guess, step, &mut probe)?,
+        Measure::Always | Measure::Full | Measure::Never => smallest(count, guess, step, &mut probe)?,
     };
     certified(question, fitted, judge, (&grid, found), bias, tried)
 }

@@ -1,6 +1,6 @@
 //! Draws a light's maps at a size and judges every film pixel, certain and uncertain apart.
 
-use super::{Bound, FilmQuestion, FittedLight, QualityParams};
+use super::{Bound, FilmQuestion, FittedLight, Measure, QualityParams};
 use crate::depth::{DepthError, DepthRow, Kept, RowKind, Visible, fit_row};
 use crate::fit::Shape;
 use crate::math::first_holding;
@@ -200,8 +200,11 @@ impl<'a> Judge<'a> {
     ) -> Result<Option<f64>, RasterError> {
         let drawn = [self.drawn(map, size, bias)?];
         // Whatever is certain of them, more wrong ones than this are too many.
-        let most = (limit * UNCERTAIN_SLACK).ceil();
-        let found = fewer_wrong(own, &drawn, self.question.map.outside, most as u64);
+        let most = match self.question.quality.measure {
+            Measure::Full => u64::MAX,
+            _ => (limit * UNCERTAIN_SLACK).ceil() as u64,
+        };
+        let found = fewer_wrong(own, &drawn, self.question.map.outside, most);
         let [Drawn { map: memory, .. }] = drawn;
         self.canvas.map = memory;
         let Some(mut wrong) = found else { return Ok(None) };

@@ -26,6 +26,10 @@ pub enum Measure {
     /// Every planned size is measured at film resolution against exact visibility, and so is the next smaller one.
     #[default]
     Always,
+    /// The same, with nothing left out: a candidate's pixels are counted to the end where `always` ends once it is worse than
+    /// the best known, and frames that are equal to an earlier one are planned again. The plan is the same but for `cost` and
+    /// for what it says of equal frames.
+    Full,
     /// The predicted size is measured once, with the default bias. Only where it is over, the bias is chosen by measurement
     /// and larger sizes are measured until one meets; no smaller one is tried. Segments of a shot are measured as with
     /// `always`.

@@ -67,7 +67,8 @@ impl Truth<'_> {
         let Settled { fitted, certified, .. } = settled;
         let planned = texels(&certified.sizes);
         // What was measured with a certificate at the judged step is not measured again.
-        let certificate = point.quality.measure == Measure::Always && point.map.step <= JUDGED_STEP;
+        let certificate =
+            matches!(point.quality.measure, Measure::Always | Measure::Full) && point.map.step <= JUDGED_STEP;
         let (found, largest) = self.with_judge(settled, |question, judge, bias| {
             let grid = grid_of(question, fitted);
             let largest = grid.texels(grid.len().saturating_sub(1)) as u64;

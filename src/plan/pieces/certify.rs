@@ -6,6 +6,7 @@ use super::super::stage::{FrameStage, Posed, Stages, measures};
 use super::super::whole_shot::{Ready, SegmentFrame};
 use super::super::{PlanError, Watch};
 use super::looked_up::LookedUp;
+use super::same::flicker_of_equals;
 use super::{Answer, Compared, Draft, FrameLight, FrameState, LightDraft, Way};
 use crate::measure::{Earlier, Receivers};
 use crate::scene::{Light, SceneFrame};
@@ -33,8 +34,12 @@ struct Kept {
 
 /// Whether a frame has something left to be answered.
 pub(super) fn is_pending(stages: &Stages, draft: &Draft, frames: &[FrameState], place: usize) -> bool {
-    let lights = &frames[place].lights;
-    lights.iter().any(|state| {
+    pends(stages, draft, frames, place, &frames[place])
+}
+
+/// The same of a frame that may be known further than it stands among `frames`.
+fn pends(stages: &Stages, draft: &Draft, frames: &[FrameState], place: usize, frame: &FrameState) -> bool {
+    frame.lights.iter().any(|state| {
         let Some(light) = draft.light(&state.light.name) else { return false };
         asks_entry(light, place, state) || asks_flicker(stages, light, frames, place, state)
     })
@@ -73,6 +78,11 @@ pub(super) fn certify_frame(
 ) -> Result<FrameState, PlanError> {
     let mut state = frames[place].clone();
     if !is_pending(stages, draft, frames, place) {
+        return Ok(state);
+    }
+    flicker_of_equals(stages, frames, place, &mut state);
+    if !pends(stages, draft, frames, place, &state) {
+        *carried = None;
         return Ok(state);
     }
     let follows = place > 0 && measures(stages.job);

@@ -5,6 +5,7 @@ use super::super::{Plan, PlanError, Stage, Watch};
 use super::certify::certify_frame;
 use super::file::{Body, Header, Kind, Part, PartError, draft_bytes, job_folder, read, write};
 use super::identity::{Identity, ranges};
+use super::same::SameFrames;
 use super::sample::sample_frame;
 use super::settle::{assembled, pending, settle};
 use super::solve as solving;
@@ -36,9 +37,10 @@ pub fn sample(job: &LoadedJob, range: Option<&str>, to: &Path, watch: &Watch) ->
     let (stages, _) = loaded.stages(watch)?;
     let total = places.len() as u64;
     let mut frames = Vec::with_capacity(places.len());
+    let mut same = SameFrames::default();
     for (done, place) in places.into_iter().enumerate() {
         watch.step(Stage::Samples, done as u64, total)?;
-        frames.push(sample_frame(&stages, place, false, watch)?);
+        frames.push(sample_frame(&stages, place, &mut same, false, watch)?);
     }
     watch.step(Stage::Samples, total, total)?;
     let count = frames.len();

@@ -20,6 +20,7 @@ mod file;
 mod identity;
 mod looked_up;
 mod run;
+mod same;
 mod sample;
 mod settle;
 mod solve;
@@ -63,13 +64,24 @@ pub(super) struct FrameLight {
     /// The regions fitted to the frame alone, in mode `hysteresis`; once the shot is solved, those it holds.
     pub(super) fresh: Option<FittedLight>,
     pub(super) answer: Option<Answer>,
+    /// Place of the first frame that is equal to this one for the light: the answer is that one's.
+    pub(super) same_as: Option<usize>,
     pub(super) flicker: Option<Compared>,
 }
 
 impl FrameLight {
     /// A light of which nothing is known.
     pub(super) fn new(light: Light) -> FrameLight {
-        FrameLight { light, part: None, motion: None, pose: None, fresh: None, answer: None, flicker: None }
+        FrameLight {
+            light,
+            part: None,
+            motion: None,
+            pose: None,
+            fresh: None,
+            answer: None,
+            same_as: None,
+            flicker: None,
+        }
     }
 
     /// Whether a map has to be looked up, as far as the frame was sampled.

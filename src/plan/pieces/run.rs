@@ -4,6 +4,7 @@ use super::super::make::{Loaded, finished};
 use super::super::stage::Stages;
 use super::super::{FramePlan, Plan, PlanError, Stage, Watch};
 use super::certify::certify_frame;
+use super::same::SameFrames;
 use super::sample::sample_frame;
 use super::settle::{assembled, pending, settle};
 use super::solve::solve;
@@ -47,9 +48,10 @@ fn planned_in(stages: &Stages, timings: bool, work: Option<&Work>, watch: &Watch
         }
         None => {
             let total = stages.len() as u64;
+            let mut same = SameFrames::default();
             for place in 0..stages.len() {
                 watch.step(Stage::Samples, place as u64, total)?;
-                frames.push(sampled(stages, place, timings, work, watch)?);
+                frames.push(sampled(stages, place, &mut same, timings, work, watch)?);
             }
             watch.step(Stage::Samples, total, total)?;
             let draft = solve(stages, &mut frames, timings, watch)?;
@@ -71,6 +73,7 @@ fn planned_in(stages: &Stages, timings: bool, work: Option<&Work>, watch: &Watch
 fn sampled(
     stages: &Stages,
     place: usize,
+    same: &mut SameFrames,
     timings: bool,
     work: Option<&Work>,
     watch: &Watch,
@@ -78,7 +81,7 @@ fn sampled(
     if let Some(found) = work.map(|w| w.sample(place)).transpose()?.flatten() {
         return Ok(found);
     }
-    let state = sample_frame(stages, place, timings, watch)?;
+    let state = sample_frame(stages, place, same, timings, watch)?;
     if let Some(work) = work {
         work.keep_sample(&state)?;
     }

@@ -3,6 +3,7 @@
 use super::super::light_entry::light_entry;
 use super::super::stage::{FrameStage, Stages};
 use super::super::{PlanError, Watch, whole_shot};
+use super::same::{SameFrames, is_asked};
 use super::{Answer, FrameLight, FrameState};
 use crate::depth::{Visible, reach};
 use crate::resolution::fit_light;
@@ -11,32 +12,49 @@ use crate::shot::{Content, LightPart, Temporal, light_part};
 use crate::visibility::Answer as Seen;
 use glam::DVec3;
 
-/// Samples a frame, by place. Where its lights are planned each frame for itself, they are planned here.
+/// Samples a frame, by place. Where its lights are planned each frame for itself, they are planned here, but for those for
+/// which the frame is the `same` as an earlier one.
 pub(super) fn sample_frame(
     stages: &Stages,
     place: usize,
+    same: &mut SameFrames,
     timings: bool,
     watch: &Watch,
 ) -> Result<FrameState, PlanError> {
+    let first = if alone(stages) && is_asked(stages) { same.first(stages, place)? } else { Vec::new() };
+    let first_of = |k: usize| first.get(k).copied().flatten();
+    if !first.is_empty() && first.iter().all(Option::is_some) {
+        let scene = stages.shot.scene.frame(stages.time(place).time_s)?;
+        let refers = |(light, same_as)| FrameLight { same_as, ..FrameLight::new(light) };
+        let lights = scene.lights.into_iter().zip(first).map(refers).collect();
+        return Ok(FrameState { place, camera: scene.camera, lights });
+    }
     stages.with(place, |stage, scene| {
         let mut lights = Vec::with_capacity(scene.lights.len());
-        for light in &scene.lights {
+        for (k, light) in scene.lights.iter().enumerate() {
             watch.check()?;
-            lights.push(sampled(stages, stage, light, timings)?);
+            lights.push(match first_of(k) {
+                Some(first) => FrameLight { same_as: Some(first), ..FrameLight::new(light.clone()) },
+                None => sampled(stages, stage, light, timings)?,
+            });
         }
         Ok(FrameState { place, camera: scene.camera.clone(), lights })
     })
 }
 
-fn sampled(stages: &Stages, stage: &FrameStage, light: &Light, timings: bool) -> Result<FrameLight, PlanError> {
-    let job = stages.job;
-    let mut state = FrameLight::new(light.clone());
-    let alone = match stages.mode() {
+/// Whether each frame is planned for itself, whatever it shows.
+fn alone(stages: &Stages) -> bool {
+    match stages.mode() {
         Temporal::PerFrame => true,
         Temporal::Hysteresis => stages.images.is_some(),
         Temporal::Shot | Temporal::Snapped => whole_shot::refused(stages).is_some(),
-    };
-    if alone {
+    }
+}
+
+fn sampled(stages: &Stages, stage: &FrameStage, light: &Light, timings: bool) -> Result<FrameLight, PlanError> {
+    let job = stages.job;
+    let mut state = FrameLight::new(light.clone());
+    if alone(stages) {
         let entry = light_entry(stage, light, job, timings, None)?;
         state.answer = Some(Answer::alone(entry));
         return Ok(state);

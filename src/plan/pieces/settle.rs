@@ -83,9 +83,15 @@ fn entry(
     let alone = |reason| LightTemporal::alone(number(place), reason);
     entry.temporal = match &light.way {
         _ if stages.len() == 1 => None,
-        Way::Each { reason: Some(reason) } => Some(alone(Some(reason.clone()))),
+        Way::Each { reason } => {
+            let has_maps = !entry.maps.is_empty();
+            let alone = LightTemporal { same_as: state.same_as.map(number), ..alone(reason.clone()) };
+            let from = if has_maps { drawn_before(&light.name, frames, place, drawn) } else { None };
+            let drawn_at = (has_maps && from.is_none()).then(|| number(place));
+            let says = has_maps || reason.is_some() || alone.same_as.is_some();
+            says.then(|| LightTemporal { drawn_at, reused_from: from.map(number), ..alone })
+        }
         _ if entry.maps.is_empty() => None,
-        Way::Each { reason: None } => Some(alone(None)),
         Way::Chosen => Some(LightTemporal { mode: Temporal::Hysteresis, ..alone(None) }),
         Way::Segments(_) => light.held(place).map(|held| {
             let needing = &held.segment.needing;
@@ -98,10 +104,22 @@ fn entry(
                 decided_by: held.decided_by.map(number),
                 drawn_at: from.is_none().then(|| number(place)),
                 reused_from: from.map(number),
+                same_as: None,
             }
         }),
     };
     entry
+}
+
+/// The frame that the maps of a light planned frame by frame were drawn in: maps stay at hand until others are drawn.
+fn drawn_before(name: &str, frames: &[FrameState], place: usize, drawn: &mut Drawn) -> Option<usize> {
+    let first = |place: usize| {
+        let light = frames[place].lights.iter().find(|l| l.light.name == name);
+        light.and_then(|l| l.same_as).unwrap_or(place)
+    };
+    let from = drawn.filter(|(last, _)| first(*last) == first(place)).map(|(_, from)| from);
+    *drawn = Some((place, from.unwrap_or(place)));
+    from
 }
 
 /// Whether two frames draw the same maps of a segment.

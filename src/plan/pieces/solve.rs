@@ -3,6 +3,7 @@
 use super::super::stage::Stages;
 use super::super::whole_shot::{self, Decided};
 use super::super::{PlanError, Stage, Watch};
+use super::same::refer;
 use super::{Draft, FrameLight, FrameState, LightDraft, Way};
 use crate::scene::Light;
 use crate::shot::{LightPart, LightParts, Temporal, carry};
@@ -15,6 +16,7 @@ pub(super) fn solve(
     timings: bool,
     watch: &Watch,
 ) -> Result<Draft, PlanError> {
+    refer(frames);
     let mut names: Vec<String> = Vec::new();
     for light in frames.iter().flat_map(|f| &f.lights) {
         if !names.contains(&light.light.name) {

@@ -26,6 +26,10 @@ pub struct LightTemporal {
     /// maps see has moved.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reused_from: Option<i64>,
+    /// The entry is that of an earlier frame, by number, which is equal to this one in camera, light and geometry, to the bit:
+    /// nothing was computed for it, and `cost` is nothing.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub same_as: Option<i64>,
 }
 
 /// Pixels whose answer from the maps changes between two frames at the same point of a surface, although the exact answer
@@ -68,6 +72,7 @@ impl LightTemporal {
             decided_by: None,
             drawn_at: Some(frame),
             reused_from: None,
+            same_as: None,
         }
     }
 }

@@ -1,7 +1,7 @@
 //! What a plan says across frames: flicker, which maps are reused, and which frame needs a segment's size.
 
 use super::super::remeasure::{Before, Remeasured};
-use super::super::{LightPlan, Plan, Reprojected, Tried};
+use super::super::{Cost, LightPlan, Plan, Reprojected, Tried};
 use super::LightCheck;
 use crate::measure::{Drawn, Earlier, Verdict};
 use crate::resolution::Bound;
@@ -41,6 +41,7 @@ impl Across {
         }
         faults.extend(self.reuse_fault(check.frame, entry, measured));
         faults.extend(decider_fault(plan, entry));
+        faults.extend(same_fault(plan, check.frame, entry));
         if !faults.is_empty() {
             check.outcome = super::Outcome::Broken;
             check.reasons.extend(faults);
@@ -87,6 +88,15 @@ pub(super) fn check_shown(check: &mut LightCheck, entry: &LightPlan, shown: Repr
         check.outcome = super::Outcome::Broken;
         check.reasons.extend(faults);
     }
+}
+
+/// An entry that is said to be an earlier frame's is.
+fn same_fault(plan: &Plan, frame: i64, entry: &LightPlan) -> Option<String> {
+    let first = entry.temporal.as_ref()?.same_as?;
+    let there = plan.frames.iter().take_while(|f| f.frame != frame).find(|f| f.frame == first);
+    let there = there.and_then(|f| f.lights.iter().find(|l| l.light == entry.light));
+    let bare = |l: &LightPlan| LightPlan { temporal: None, flicker: None, cost: Cost::default(), ..l.clone() };
+    (there.map(bare) != Some(bare(entry))).then(|| format!("its entry is said to be that of frame {first}, and is not"))
 }
 
 /// In the frame that is said to need a segment's size, the next smaller size tried is over.
