@@ -12,6 +12,7 @@ use lixel::math::{Domain, matrix_from_rows};
 use lixel::measure::{Drawn, Outside, Receivers, wrong};
 use lixel::plan::{self, Format, LightPlan, Outcome, PlanError, Watch};
 use lixel::raster::{Bias, draw};
+use lixel::resolution::Measure;
 use lixel::scene::{Geometry, SceneError, Shot, ShotParams};
 use lixel::visibility::{Bvh, RayOffset, Tracer, see};
 use std::fs;
@@ -117,6 +118,26 @@ fn plan_and_verify(name: &str, file: &Path, work: &Path) -> Result<Vec<String>, 
     let lights = found.lights.iter().filter(|l| l.outcome == Outcome::Broken);
     let lights = lights.map(|l| format!("frame {}, {}: {}", l.frame, l.light, l.reasons.join("; ")));
     Ok(inputs.chain(found.problems.clone()).chain(lights).collect())
+}
+
+/// What a shortened measurement says is what a full one says, in every scene that can be planned.
+#[test]
+fn a_shortened_measurement_answers_as_the_full_one() {
+    let Some(folder) = std::env::var_os("LIXEL_SCENES").map(PathBuf::from) else {
+        println!("skipped: LIXEL_SCENES not set");
+        return;
+    };
+    let (work, mut planned) = (tempfile::tempdir().unwrap(), 0);
+    for file in scene_files(&folder) {
+        let Ok((mut loaded, ..)) = settled(&file) else { continue };
+        let mut frames = |measure: Measure| {
+            loaded.job.quality.measure = measure;
+            watched(|watch| plan::make(&loaded, work.path(), false, watch)).unwrap().frames
+        };
+        assert!(frames(Measure::Always) == frames(Measure::Full), "{}", file.display());
+        planned += 1;
+    }
+    println!("{planned} scenes");
 }
 
 /// Whether a refusal names something that stands in the file: an extension or a key.

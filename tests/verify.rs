@@ -19,11 +19,17 @@ fn watched<T>(work: impl FnOnce(&Watch) -> T) -> T {
     work(&Watch { progress: &|_| (), cancel: &NEVER, notes: &|_| () })
 }
 
+/// Frames apart: what holds a shot together has tests of its own.
+const BASE: &str = "shot.temporal = 'per-frame'\n[frames]\nrange = '30,80'\n[image]\nsize = [160, 90]\n[map]\nmax = 1024\nstep = 1.2\n[quality]\nepsilon = 0.03\n";
+
 /// Two frames of the courtyard, small; the spot is out of the second.
 fn plan_courtyard(overrides: &str) -> Plan {
-    // Frames apart: what holds a shot together has tests of its own.
-    let base = "shot.temporal = 'per-frame'\n[frames]\nrange = '30,80'\n[image]\nsize = [160, 90]\n[map]\nmax = 1024\nstep = 1.2\n[quality]\nepsilon = 0.03\n";
-    let job = job::load(&folder().join("courtyard.toml"), &(base.to_owned() + overrides).parse().unwrap()).unwrap();
+    plan_with(&(BASE.to_owned() + overrides))
+}
+
+/// The courtyard with a layer over its job.
+fn plan_with(layer: &str) -> Plan {
+    let job = job::load(&folder().join("courtyard.toml"), &layer.parse().unwrap()).unwrap();
     watched(|watch| plan::make(&job, folder(), false, watch)).unwrap()
 }
 
@@ -199,9 +205,62 @@ fn what_repeats_the_matrix_is_found_changed() {
 }
 
 #[test]
+fn what_restates_bias_and_rounding_is_found_changed() {
+    for (light, map) in [(0, 0), (2, 0), (2, 1)] {
+        let of = |p: &mut Plan| p.frames[0].lights[light].maps[map].clone();
+        let was = of(&mut MEASURED.clone());
+        assert!(was.bias.texels > 0.0 && was.bias.world > 0.0 && was.f32_roundtrip_texels > 0.0);
+        let change = |change: fn(&mut plan::MapPlan), key: &str| {
+            broken_by(|p| change(&mut p.frames[0].lights[light].maps[map]), &format!("{key} of map {map} is "));
+        };
+        change(|m| m.bias.texels *= 1.0 + 1e-5, "bias.texels");
+        change(|m| m.bias.world *= 1.0 - 1e-5, "bias.world");
+        change(|m| m.f32_roundtrip_texels *= 1.01, "f32_roundtrip_texels");
+        change(|m| m.f32_roundtrip_texels = 0.0, "f32_roundtrip_texels");
+    }
+}
+
+/// Counting to the end finds no other answer, and draws no other map, than ending where a candidate cannot win.
+#[test]
+fn a_shortened_measurement_answers_as_the_full_one() {
+    let full = plan_with(&BASE.replace("[quality]", "[quality]\nmeasure = 'full'"));
+    assert!(full.job.job.quality.measure != MEASURED.job.job.quality.measure);
+    assert_eq!(full.frames, MEASURED.frames);
+}
+
+/// However few pixels look a map up, an importer can be checked with it.
+#[test]
+fn maps_that_few_pixels_look_up_have_witnesses_too() {
+    let several = "light = [{ name = 'lamp' }]\n[frames]\nrange = '80'\n[image]\nsize = [48, 27]\n[quality]\nepsilon = 0.2\n[map]\nmax = 256\n";
+    let mut maps = 0;
+    for method in ["cascades", "partitioned", "faces", "adaptive"] {
+        let plan = plan_with(&format!("{several}[solver]\nmethod = '{method}'\n"));
+        for map in plan.frames.iter().flat_map(|f| &f.lights).flat_map(|l| &l.maps) {
+            maps += 1;
+            assert!(map.witnesses_reason.is_none() && map.witnesses.len() >= 6, "{method}: {map:?}");
+        }
+        let found = verify(&plan);
+        assert!(found.lights.iter().all(|l| l.outcome != Outcome::Broken), "{method}: {}", faults(&found));
+    }
+    assert!(maps > 8, "{maps} maps");
+}
+
+#[test]
 fn changed_witnesses_are_found() {
     broken_by(|p| p.frames[0].lights[0].maps[0].witnesses[0].uv[0] += 1e-9, "the matrix gives");
     broken_by(|p| p.frames[0].lights[0].maps[0].witnesses[0].depth += 1e-9, "the matrix gives");
+    broken_by(
+        |p| p.frames[0].lights[2].maps[1].witnesses.truncate(5),
+        "map 1 has 5 witnesses of 6, and does not say why",
+    );
+    let flat = |p: &mut Plan| {
+        let witnesses = &mut p.frames[0].lights[0].maps[0].witnesses;
+        let (first, depth) = (witnesses[0].clone(), witnesses[0].depth);
+        witnesses.iter_mut().for_each(|w| w.depth = depth);
+        witnesses.extend(std::iter::repeat_n(first, 6));
+    };
+    broken_by(flat, "witnesses, all in one plane");
+    broken_by(|p| p.frames[0].lights[0].maps[0].witnesses_reason = Some("none".into()), "they lack nothing");
     for (light, map, witness) in [(0, 0, 0), (0, 0, 9), (2, 0, 0), (2, 1, 1)] {
         let flip = |p: &mut Plan| {
             let witness = &mut p.frames[0].lights[light].maps[map].witnesses[witness];
