@@ -5,7 +5,7 @@ use super::plane::Edges;
 use super::setup::{SUN, Setup, block, camera, floor, lamp, sun, yard};
 use super::table::{Row, Table, short};
 use super::trial::{Trial, only_map, plan};
-use super::worlds::{COUNT, apart, steps_apart};
+use super::worlds::{COUNT, apart, fit_alone, steps_apart};
 use glam::{DMat4, DVec3, dvec3};
 use lixel::math::matrix_from_rows;
 
@@ -32,7 +32,7 @@ fn as_lamp(rows: &[DVec3; 3], size: [u32; 2], of_sun: &DMat4, edges: &Edges) -> 
 }
 
 fn distance_row(scenes: f64, sun: &Trial) -> Result<(Vec<String>, Vec<String>), String> {
-    let trial = plan(&lamp_at(scenes), |_| {})?;
+    let trial = plan(&lamp_at(scenes), fit_alone)?;
     let light = trial.first()?;
     let measured = light.error.as_ref().and_then(|e| e.measured.as_ref());
     let mut cells = vec![
@@ -76,13 +76,13 @@ pub(crate) fn distances(quick: bool) -> Table {
         true => vec![1e-3, 0.1, 10.0, 1e9, 1e12],
         false => (-3..=12).map(|k| 10.0_f64.powi(k)).collect(),
     };
-    let rows = match plan(&yard(), |_| {}) {
+    let rows = match plan(&yard(), fit_alone) {
         Err(fault) => vec![Row { cells: vec!["the sun".to_owned()], faults: vec![fault] }],
         Ok(sun) => scenes.into_iter().map(|s| Row::of(format!("{s:e}"), distance_row(s, &sun))).collect(),
     };
     Table {
         title: "Light distance",
-        text: "A point light at a distance, in sizes of the scene, from the middle of the yard against the direction of its \
+        text: "By the fit alone. A point light at a distance, in sizes of the scene, from the middle of the yard against the direction of its \
                sun. *Metric*: relative difference from the sun's at the sun's matrix, in the light plane. *Count*: wrong \
                pixels of the sun at its map, and of the lamp at the same one. *Steps*: sides of the planned map from the \
                sun's, in steps of 1.02. From 1e9 on the limits are 1e-6, 2 % and 1; before, the light is another one."
