@@ -2,7 +2,7 @@
 
 use super::{Alternative, Choice};
 use crate::methods::{Method, SolverParams};
-use crate::resolution::{Contest, Entrant, Ladder, Need, Standing, Stop, TriedRung};
+use crate::resolution::{Contest, Entrant, Ladder, Standing, Stop, TriedRung};
 
 /// Of a climb. `whose` says whose texels are counted.
 pub(super) fn of_ladder(ladder: &Ladder, solver: &SolverParams, whose: &str) -> Choice {
@@ -12,13 +12,15 @@ pub(super) fn of_ladder(ladder: &Ladder, solver: &SolverParams, whose: &str) -> 
 
 fn alternative(tried: &TriedRung) -> Alternative {
     let need = tried.need.as_ref();
+    let texels = need.ok().map(|n| n.texels.round() as u64);
     Alternative {
         method: tried.rung.method,
         maps: need.ok().map(|n| n.maps as u64),
-        texels: need.ok().map(|n| n.texels.round() as u64),
+        texels,
         met: need.ok().map(|n| n.met),
         error: need.ok().map(|n| n.error).filter(|e| e.is_finite()),
         misclassified: None,
+        improved: tried.improved.map(|t| t.round() as u64).filter(|t| Some(*t) != texels),
         saving: tried.saving.filter(|s| s.is_finite()),
         reason: need.err().cloned(),
     }
@@ -26,9 +28,10 @@ fn alternative(tried: &TriedRung) -> Alternative {
 
 /// `lixel`, `partitioned` with 3 maps.
 fn named(tried: &TriedRung) -> String {
-    match tried.rung.method {
-        Method::Partitioned => format!("`partitioned` with up to {} maps", tried.rung.maps),
-        method => format!("`{}`", method.name()),
+    match (tried.rung.method, &tried.need) {
+        (Method::Partitioned, Ok(need)) => format!("`partitioned` with {} maps", need.maps),
+        (Method::Partitioned, Err(_)) => format!("`partitioned` with up to {} maps", tried.rung.maps),
+        (method, _) => format!("`{}`", method.name()),
     }
 }
 
@@ -39,18 +42,18 @@ fn why(ladder: &Ladder, solver: &SolverParams, whose: &str) -> String {
     let (taken, last) = (named(chosen), ladder.tried.last().unwrap_or(chosen));
     let next = named(last);
     let least = format!("the {} % of solver.min_saving", percent(solver.min_saving));
-    let needs = |need: &Result<Need, String>| need.as_ref().map_or(0.0, |n| n.texels.round());
+    let needs = chosen.improved.or(chosen.need.as_ref().ok().map(|n| n.texels)).unwrap_or(0.0).round();
     match ladder.stop {
         Stop::Saving => {
             let saving = last.saving.unwrap_or(0.0);
             let saves = if saving < 0.0 {
                 format!("need {} % more", percent(-saving))
             } else {
-                format!("save {} %", percent(saving))
+                format!("save {} % of them", percent(saving))
             };
             format!(
-                "{taken} needs {} texels{whose}, and {next} would {saves} of them, where a step has to save {least}",
-                needs(&chosen.need)
+                "{taken} needs {} texels{whose}, and {next} would {saves}, where a step has to save {least}",
+                needs
             )
         }
         Stop::Missed => format!("{taken} meets the bound, and {next} would miss it"),
@@ -63,10 +66,9 @@ fn why(ladder: &Ladder, solver: &SolverParams, whose: &str) -> String {
         }
         Stop::Top => match solver.max_maps {
             1 => format!("{taken}, the last step that solver.max_maps = 1 allows"),
-            most => format!(
-                "{taken} needs {} texels{whose}, the last step that solver.max_maps = {most} allows",
-                needs(&chosen.need)
-            ),
+            most => {
+                format!("{taken} needs {} texels{whose}, the last step that solver.max_maps = {most} allows", needs)
+            }
         },
     }
 }
@@ -105,6 +107,7 @@ fn entrant(entrant: &Entrant) -> Alternative {
         met: standing.map(|s| s.error <= 1.0),
         error: standing.map(|s| s.error).filter(|e| e.is_finite()),
         misclassified: standing.map(|s| s.misclassified),
+        improved: None,
         saving: None,
         reason: entrant.standing.as_ref().err().cloned(),
     }

@@ -6,8 +6,8 @@ use super::{Choice, PlanError, choice};
 use crate::job::Job;
 use crate::methods::{Method, Region, SolverParams};
 use crate::resolution::{
-    self, FilmQuestion, FittedLight, Judge, JudgedMap, Need, OnFilm, Planned, certify, climb, fit_light, predict_only,
-    rungs,
+    self, FilmQuestion, FittedLight, Judge, JudgedMap, Need, OnFilm, Planned, Rung, certify, climb, fit_light,
+    predict_only, rungs,
 };
 use crate::scene::Light;
 use crate::shot::in_frame;
@@ -41,11 +41,11 @@ impl Wanted<'_> {
                 chosen(taken, choice::of_ladder(&ladder, &job.solver, ""))
             }
             (Method::Auto, None) => {
-                let (ladder, taken) = climb(&rungs(&job.solver), job.solver.min_saving, |rung, _| {
-                    let solver = rung.solver(&job.solver);
-                    let found = self.predicted(&solver);
+                let need = |rung: &Rung| {
+                    let found = self.predicted(&rung.solver(&job.solver));
                     Ok::<_, PlanError>(found.map(|found| (Need::of(&question, &found.fitted, &found.certified), found)))
-                })?;
+                };
+                let (ladder, taken) = climb(&rungs(&job.solver), job.solver.min_saving, need, |_, same| Ok(same))?;
                 chosen(taken, choice::of_ladder(&ladder, &job.solver, ", as predicted"))
             }
             (Method::Best, Some(on)) => {

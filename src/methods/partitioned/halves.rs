@@ -37,24 +37,23 @@ fn ends_of_cut(
     outside: &[DVec3],
     distance: impl Fn(&DVec3) -> f64,
 ) -> Option<[DVec3; 2]> {
-    let mut ends: Option<[(DVec2, DVec3); 2]> = None;
-    let before = |a: DVec2, b: DVec2| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)).is_lt();
+    let mut cuts: Vec<(DVec2, DVec3)> = Vec::with_capacity(inside.len() * outside.len());
     for a in inside {
         let near = distance(a);
         for b in outside {
             let cut = *a + (*b - *a) * (near / (near - distance(b)));
             let q = space.q(cut);
-            let at = (q.truncate() / q.z, cut);
-            let [first, last] = ends.get_or_insert([at, at]);
-            if before(at.0, first.0) {
-                *first = at;
-            }
-            if before(last.0, at.0) {
-                *last = at;
-            }
+            cuts.push((q.truncate() / q.z, cut));
         }
     }
-    ends.map(|[first, last]| [first.1, last.1])
+    // Along the axis that the line is longer in; across a line they differ by rounding alone.
+    let ends = |axis: usize| {
+        let order = |a: &&(DVec2, DVec3), b: &&(DVec2, DVec3)| a.0[axis].total_cmp(&b.0[axis]);
+        let (first, last) = (cuts.iter().min_by(order)?, cuts.iter().max_by(order)?);
+        Some((last.0[axis] - first.0[axis], [first.1, last.1]))
+    };
+    let (x, y) = (ends(0)?, ends(1)?);
+    Some(if x.0 >= y.0 { x.1 } else { y.1 })
 }
 
 #[cfg(test)]

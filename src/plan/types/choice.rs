@@ -26,6 +26,9 @@ pub struct Alternative {
     /// that `shot.minimise` counts. Of `best`: the texels that it was measured at.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub texels: Option<u64>,
+    /// Of `auto`: texels that the better maps near these need; only where they were looked for and need fewer.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub improved: Option<u64>,
     /// The bound is met at these texels.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub met: Option<bool>,
@@ -35,7 +38,8 @@ pub struct Alternative {
     /// Certainly wrong pixels at these texels, of `best`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub misclassified: Option<u64>,
-    /// Of `auto`: the share of the texels of the method before it that it saves; negative where it needs more.
+    /// Of `auto`: the share that it saves of the texels of the simpler method it would replace, negative where it needs more;
+    /// by the improved texels where a step hung on them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub saving: Option<f64>,
     /// Why it has no maps.

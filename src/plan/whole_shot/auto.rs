@@ -11,7 +11,7 @@ use super::decide::{Decided, asked_map, by_method, decide};
 use super::{Held, PLACED_BY_ONE_CAMERA};
 use crate::job::Job;
 use crate::methods::Method;
-use crate::resolution::{Need, climb, rungs};
+use crate::resolution::{Need, Rung, climb, rungs};
 use crate::shot::{Asked, LightParts, Segment, fit_segment, minimised_texels};
 
 /// The segments of one light by the rung that is taken. The inner error is the reason why it has none.
@@ -23,7 +23,7 @@ pub(super) fn by_ladder(
 ) -> Result<Result<Vec<Decided>, String>, PlanError> {
     let job = stages.job;
     let mut cut: Option<Vec<Segment>> = None;
-    let (ladder, taken) = climb(&rungs(&job.solver), job.solver.min_saving, |rung, _| {
+    let of_rung = |rung: &Rung| {
         if rung.method == Method::Focused {
             return Ok::<_, PlanError>(Err(PLACED_BY_ONE_CAMERA.to_owned()));
         }
@@ -41,7 +41,9 @@ pub(super) fn by_ladder(
             cut = Some(decided.iter().map(|d| d.held.segment.clone()).collect());
         }
         Ok(Ok((need(stages.job, light, &decided), decided)))
-    })?;
+    };
+    // Deciding has looked for better maps already.
+    let (ladder, taken) = climb(&rungs(&job.solver), job.solver.min_saving, of_rung, |_, same| Ok(same))?;
     let choice = choice::of_ladder(&ladder, &job.solver, " over the shot");
     let Some(mut taken) = taken else {
         let reason = ladder.tried.into_iter().rev().find_map(|t| t.need.err());

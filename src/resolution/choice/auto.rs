@@ -1,16 +1,11 @@
 //! `auto` on a film: the ladder by the texels that measuring finds each rung to need.
-//!
-//! Rungs are compared as their methods fit them. Looking for better maps near them, which takes most of the time of a plan
-//! with one map, is left to the rung that is taken, which then needs what is stated for it or less. One comparison would not
-//! be fair so: `focused` has nothing to be looked for, so that one map of `lixel` is given up for it only with the better
-//! maps near it measured too.
 
 use super::super::{Certified, FilmQuestion, FittedLight, texels};
-use super::ladder::{Ladder, Need, climb, rungs};
+use super::ladder::{Ladder, Need, Rung, climb, rungs};
 use super::one::{OnFilm, Planned, improved, planned};
-use crate::methods::Method;
 use crate::raster::RasterError;
 use crate::samples::LightSamples;
+use std::cell::Cell;
 
 impl Need {
     /// What maps need that were measured, or predicted.
@@ -31,32 +26,24 @@ pub fn auto(
     on: &OnFilm,
 ) -> Result<(Ladder, Option<Planned>), RasterError> {
     let solver = question.solver;
-    let mut spent = [0; 3];
-    let mut spend = |now: [u64; 3], before: [u64; 3]| (0..3).for_each(|k| spent[k] += now[k] - before[k]);
-    let (ladder, taken) = climb(&rungs(solver), solver.min_saving, |rung, below| {
-        let own = rung.solver(solver);
-        let question = &FilmQuestion { solver: &own, ..*question };
-        let mut found = match planned(question, samples, on, false)? {
-            Ok(found) => found,
-            Err(reason) => return Ok(Err(reason)),
-        };
-        spend(found.spent, [0; 3]);
-        let need = |found: &Planned| Need::of(question, &found.fitted, &found.certified);
-        let pays = |need: Need, below: &Need| need.texels <= below.texels * (1.0 - solver.min_saving);
-        let given_up = below.is_some_and(|below| below.met && !(need(&found).met && pays(need(&found), below)));
-        let last = rung.method == Method::Lixel && given_up;
-        if last {
-            let before = found.spent;
-            found = improved(question, samples, on, found)?;
-            spend(found.spent, before);
-        }
-        Ok(Ok((need(&found), (found, own, last))))
-    })?;
-    let Some((mut taken, own, done)) = taken else { return Ok((ladder, None)) };
-    if !done {
-        let before = taken.spent;
-        taken = improved(&FilmQuestion { solver: &own, ..*question }, samples, on, taken)?;
-        spend(taken.spent, before);
-    }
-    Ok((ladder, Some(Planned { spent, ..taken })))
+    let spent = Cell::new([0; 3]);
+    let spend = |more: [u64; 3]| spent.set(std::array::from_fn(|k| spent.get()[k] + more[k]));
+    let first = |rung: &Rung| {
+        let solver = rung.solver(solver);
+        let question = &FilmQuestion { solver: &solver, ..*question };
+        let found = planned(question, samples, on, false)?;
+        Ok::<_, RasterError>(found.map(|found| {
+            spend(found.spent);
+            (Need::of(question, &found.fitted, &found.certified), found)
+        }))
+    };
+    let better = |rung: &Rung, (_, found): (Need, Planned)| {
+        let solver = rung.solver(solver);
+        let question = &FilmQuestion { solver: &solver, ..*question };
+        let found = improved(question, samples, on, Planned { spent: [0; 3], ..found })?;
+        spend(found.spent);
+        Ok((Need::of(question, &found.fitted, &found.certified), found))
+    };
+    let (ladder, taken) = climb(&rungs(solver), solver.min_saving, first, better)?;
+    Ok((ladder, taken.map(|taken| Planned { spent: spent.get(), ..taken })))
 }

@@ -2,12 +2,22 @@
 //! saves its share of the texels.
 //!
 //! No map at all comes before the ladder: a light without a visible shadow is not asked here. The rungs are `focused`, one
-//! map of `lixel`, and `partitioned` with two maps and more. A step from need a to need b saves 1 - b/a; the first one that
-//! saves less than `solver.min_saving` ends the climb, and later ones are not tried, so that a plan costs what it takes to
-//! see that more would not pay. Below the bound there is no saving to speak of: until a rung meets, the climb goes on, and
-//! where none does the one nearest to the bound is taken.
+//! map of `lixel`, and `partitioned` with two maps and more. A step from need a to need b saves 1 - b/a; the first step to
+//! more maps that saves less than `solver.min_saving` ends the climb, and later ones are not tried, so that a plan costs what
+//! it takes to see that more would not pay. A warp that does not pay is passed over and two maps are tried all the same:
+//! they gain by something else, and it was met that one map needs 13 % more with a warp and two need 85 % less. Below the
+//! bound there is no saving to speak of: until a rung meets, the climb goes on, and where none does the one nearest to the
+//! bound is taken.
+//!
+//! Rungs are compared as their methods fit them. Looking for better maps near them, by measurement, takes most of the time of
+//! a plan with one map, and is left to the rung that is taken. But where a step does not pay and lies within [`REACH`] of it,
+//! better maps are looked for near both ends first: what they gain differs. Like is compared with like, as fitted or improved.
 
 use crate::methods::{Method, SolverParams};
+
+/// What a saving may gain when better maps are looked for near both ends of a step. Up to 35 % of the texels were met at one
+/// end and nothing at the other; most gains differ by less than this.
+const REACH: f64 = 0.3;
 
 /// A method with its number of maps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,7 +55,10 @@ pub struct TriedRung {
     pub rung: Rung,
     /// What it needs, or the reason why it has no maps.
     pub need: Result<Need, String>,
-    /// The share of the texels of the rung below that it saves; absent where one of the two has no figure.
+    /// The texels that the better maps near it need, where they were looked for.
+    pub improved: Option<f64>,
+    /// The share that it saves of the texels of the rung held before it, of the improved ones where it has these; absent
+    /// where one of the two has no figure.
     pub saving: Option<f64>,
 }
 
@@ -80,23 +93,44 @@ pub fn rungs(solver: &SolverParams) -> Vec<Rung> {
     single.into_iter().chain(several).collect()
 }
 
-/// Climbs. `need` finds what a rung needs, with whatever else is to be kept of the one that is taken; it is told what the
-/// rung below needs. Its errors pass through.
+/// A rung with what was found of it.
+struct Held<T> {
+    /// Among those tried.
+    place: usize,
+    /// As fitted.
+    fitted: Need,
+    /// Improved, where it is.
+    need: Need,
+    kept: T,
+    improved: bool,
+}
+
+/// Climbs. `need` finds what a rung needs, or why it has no maps, with whatever else is to be kept of the one that is taken;
+/// `improve` looks for better maps near a rung's. Errors of both pass through. What is given back is improved.
 pub fn climb<T, E>(
     rungs: &[Rung],
     min_saving: f64,
-    mut need: impl FnMut(&Rung, Option<&Need>) -> Result<Result<(Need, T), String>, E>,
+    mut need: impl FnMut(&Rung) -> Result<Result<(Need, T), String>, E>,
+    mut improve: impl FnMut(&Rung, (Need, T)) -> Result<(Need, T), E>,
 ) -> Result<(Ladder, Option<T>), E> {
     let mut tried: Vec<TriedRung> = Vec::new();
-    let mut best: Option<(usize, Need, T)> = None;
+    let mut best: Option<Held<T>> = None;
     let mut stop = Stop::Top;
+    let mut improved = |held: Held<T>, tried: &mut [TriedRung]| {
+        if held.improved {
+            return Ok(held);
+        }
+        let (need, kept) = improve(&tried[held.place].rung, (held.need, held.kept))?;
+        tried[held.place].improved = Some(need.texels);
+        Ok::<_, E>(Held { need, kept, improved: true, ..held })
+    };
     for rung in rungs {
-        let found = need(rung, best.as_ref().map(|(_, below, _)| below))?;
         let several = rung.method == Method::Partitioned;
-        let (here, kept) = match found {
+        let place = tried.len();
+        let (need, kept) = match need(rung)? {
             Ok(found) => found,
             Err(reason) => {
-                tried.push(TriedRung { rung: *rung, need: Err(reason), saving: None });
+                tried.push(TriedRung { rung: *rung, need: Err(reason), improved: None, saving: None });
                 if several {
                     stop = Stop::NoMoreMaps;
                     break;
@@ -104,31 +138,48 @@ pub fn climb<T, E>(
                 continue;
             }
         };
-        let Some((_, below, _)) = &best else {
-            tried.push(TriedRung { rung: *rung, need: Ok(here), saving: None });
-            best = Some((tried.len() - 1, here, kept));
+        tried.push(TriedRung { rung: *rung, need: Ok(need), improved: None, saving: None });
+        let mut here = Held { place, fitted: need, need, kept, improved: false };
+        let Some(mut below) = best.take() else {
+            best = Some(here);
             continue;
         };
-        let saving = (below.met && here.met).then(|| 1.0 - here.texels / below.texels);
-        tried.push(TriedRung { rung: *rung, need: Ok(here), saving });
-        if several && here.maps <= below.maps {
+        if several && here.need.maps <= below.need.maps {
             stop = Stop::NoMoreMaps;
+            best = Some(below);
             break;
         }
-        if below.met && !here.met {
-            stop = Stop::Missed;
-            break;
+        let mut saving = step(&below.fitted, &here.fitted);
+        let in_reach = saving.is_some_and(|saving| saving >= min_saving - REACH);
+        if in_reach && (below.improved || saving.is_some_and(|saving| saving < min_saving)) {
+            below = improved(below, &mut tried)?;
+            here = improved(here, &mut tried)?;
+            saving = step(&below.need, &here.need);
         }
-        if saving.is_some_and(|saving| saving < min_saving) {
-            stop = Stop::Saving;
+        tried[place].saving = saving;
+        let pays = match (below.need.met, here.need.met) {
+            (true, _) => saving.is_some_and(|saving| saving >= min_saving),
+            (false, true) => true,
+            (false, false) => here.need.error < below.need.error,
+        };
+        stop = match (pays || !below.need.met, here.need.met) {
+            (true, _) => Stop::Top,
+            (false, true) => Stop::Saving,
+            (false, false) => Stop::Missed,
+        };
+        best = Some(if pays { here } else { below });
+        if several && stop != Stop::Top {
             break;
-        }
-        if here.met || here.error < below.error {
-            best = Some((tried.len() - 1, here, kept));
         }
     }
-    let chosen = best.as_ref().map(|b| b.0);
-    Ok((Ladder { tried, chosen, stop }, best.map(|b| b.2)))
+    let chosen = best.as_ref().map(|b| b.place);
+    let kept = best.map(|held| improved(held, &mut tried)).transpose()?.map(|held| held.kept);
+    Ok((Ladder { tried, chosen, stop }, kept))
+}
+
+/// What a step saves.
+fn step(below: &Need, here: &Need) -> Option<f64> {
+    (below.met && here.met).then(|| 1.0 - here.texels / below.texels)
 }
 
 #[cfg(test)]
@@ -143,16 +194,21 @@ mod tests {
         Ok(Need { texels: 1e6, met: false, error, maps })
     }
 
-    /// Climbs over given needs; the rung that was kept.
-    fn run(needs: &[Result<Need, String>], min_saving: f64) -> (Ladder, Option<usize>) {
+    /// Climbs over given needs, which improving multiplies; the rung that was kept.
+    fn improving(needs: &[Result<Need, String>], min_saving: f64, by: &[f64]) -> (Ladder, Option<usize>) {
         let rungs = rungs(&SolverParams { max_maps: 4, ..SolverParams::default() });
         assert_eq!(rungs.iter().map(|r| r.maps).collect::<Vec<_>>(), [1, 1, 2, 3, 4]);
         let mut at = 0;
-        climb(&rungs, min_saving, |_, _| {
+        let need = |_: &Rung| {
             at += 1;
             Ok::<_, ()>(needs[at - 1].clone().map(|need| (need, at - 1)))
-        })
-        .unwrap()
+        };
+        let improve = |_: &Rung, (need, k): (Need, usize)| Ok((Need { texels: need.texels * by[k], ..need }, k));
+        climb(&rungs, min_saving, need, improve).unwrap()
+    }
+
+    fn run(needs: &[Result<Need, String>], min_saving: f64) -> (Ladder, Option<usize>) {
+        improving(needs, min_saving, &[1.0; 5])
     }
 
     #[test]
@@ -163,9 +219,28 @@ mod tests {
         assert!((ladder.tried[3].saving.unwrap() - 0.1).abs() < 1e-12);
         let (ladder, kept) = run(&needs, 0.05);
         assert_eq!((kept, ladder.stop, ladder.tried.len()), (Some(4), Stop::Top, 5));
-        let (ladder, kept) = run(&needs, 0.5);
-        assert_eq!((kept, ladder.tried.len()), (Some(0), 2), "the greedy climb does not look past a poor step");
-        assert_eq!(run(&needs, 0.3).1, Some(1), "a saving of just the share is worth it");
+        let (ladder, kept) = run(&needs, 0.35);
+        assert_eq!((kept, ladder.tried.len()), (Some(2), 4), "two maps are tried without a warp that pays");
+        assert_eq!((ladder.tried[2].saving, ladder.stop), (Some(0.5), Stop::Saving), "of the rung held");
+        let (ladder, kept) = run(&needs, 0.6);
+        assert_eq!((kept, ladder.tried.len()), (Some(0), 3), "a poor step to more maps is not looked past");
+        let (ladder, kept) = run(&[met(100.0, 1), met(110.0, 1), met(20.0, 2), met(20.0, 3)], 0.15);
+        assert_eq!((kept, ladder.stop), (Some(2), Stop::Saving));
+        assert_eq!(run(&[met(100.0, 1), met(50.0, 1), met(50.0, 2)], 0.5).1, Some(1), "just the share is worth it");
+    }
+
+    #[test]
+    fn a_step_that_nearly_pays_is_looked_at_again() {
+        let needs = [met(100.0, 1), met(50.0, 1), met(45.0, 2), met(5.0, 2)];
+        let (ladder, kept) = improving(&needs, 0.15, &[1.0, 1.0, 0.9, 1.0]);
+        assert_eq!((kept, ladder.stop), (Some(2), Stop::NoMoreMaps));
+        assert_eq!(ladder.tried.iter().map(|t| t.improved).collect::<Vec<_>>(), [None, Some(50.0), Some(40.5), None]);
+        assert!((ladder.tried[2].saving.unwrap() - 0.19).abs() < 1e-12);
+        let (ladder, kept) = improving(&needs, 0.15, &[1.0, 0.9, 0.9, 1.0]);
+        assert_eq!((kept, ladder.tried.len()), (Some(1), 3), "both ends gain alike");
+        let (ladder, kept) = improving(&needs, 0.45, &[1.0; 5]);
+        assert_eq!((kept, ladder.tried[2].improved), (Some(1), None), "out of reach");
+        assert_eq!(ladder.tried[1].improved, Some(50.0), "what is taken is improved in the end");
     }
 
     #[test]
@@ -184,7 +259,7 @@ mod tests {
     fn a_missed_bound_is_climbed_out_of_and_never_climbed_into() {
         let (ladder, kept) = run(&[missed(3.0, 1), missed(2.0, 1), met(900.0, 2), met(800.0, 3)], 0.15);
         assert_eq!((kept, ladder.tried[2].saving, ladder.stop), (Some(2), None, Stop::Saving));
-        let (ladder, kept) = run(&[met(100.0, 1), missed(1.5, 1)], 0.15);
+        let (ladder, kept) = run(&[met(100.0, 1), missed(1.5, 1), missed(1.4, 2)], 0.15);
         assert_eq!((kept, ladder.stop), (Some(0), Stop::Missed));
         let all = [missed(3.0, 1), missed(2.0, 1), missed(2.5, 2), missed(1.5, 3), missed(1.5, 4)];
         assert_eq!(run(&all, 0.15).1, Some(3), "the nearest to the bound, of equals the simplest");
