@@ -8,7 +8,7 @@ use lixel::samples::EdgePoint;
 use lixel::scene::{Camera, Film, Light, LightKind, Projection};
 
 /// Every method.
-pub(crate) const ALL: [Method; 12] = [
+pub(crate) const ALL: [Method; 15] = [
     Method::Lixel,
     Method::Normal,
     Method::Focused,
@@ -21,6 +21,9 @@ pub(crate) const ALL: [Method; 12] = [
     Method::SeparatingPlane,
     Method::Cascades,
     Method::Faces,
+    Method::Partitioned,
+    Method::Adaptive,
+    Method::Edges,
 ];
 
 /// Owned inputs.

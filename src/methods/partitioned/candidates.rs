@@ -109,10 +109,12 @@ impl Frame<'_> {
         let total: f64 = along.iter().map(|a| a.1).sum();
         let (mut sum, mut wanted) = (0.0, QUANTILES.iter().peekable());
         let mut found = Vec::with_capacity(QUANTILES.len());
-        for (at, cost) in along {
+        for (k, (at, cost)) in along.iter().enumerate() {
             sum += cost;
+            // Between two edges: on which side an edge on the plane lies is rounding.
+            let next = along.get(k + 1).map_or(*at, |next| next.0);
             while wanted.next_if(|share| sum >= **share * total).is_some() {
-                found.push(pencil.moved_to(at));
+                found.push(pencil.moved_to(0.5 * (at + next)));
             }
         }
         found
@@ -126,17 +128,17 @@ impl Frame<'_> {
         let mut near: Vec<Candidate> =
             [-1.0, 1.0].map(|sign| candidate.moved_to(offset + sign * step * (hi - lo))).to_vec();
         let turn = step * PI;
-        // Turned about the middle of the edges' extent on the line, not about the origin.
-        for by in [-turn, turn] {
-            let Some(turned) = candidate.turned(by) else { continue };
-            let on_line = edges
-                .iter()
-                .min_by(|a, b| {
-                    let off = |e: &EdgePoint| (self.coordinate(candidate, e.position) - offset).abs();
-                    off(a).total_cmp(&off(b))
-                })
-                .map(|e| self.coordinate(turned, e.position));
-            near.extend(on_line.map(|at| turned.moved_to(at)));
+        // Turned about a point between the two edges nearest to the line, not about the origin.
+        let off = |e: &EdgePoint| (self.coordinate(candidate, e.position) - offset).abs();
+        let mut nearest: Vec<&EdgePoint> = edges.iter().collect();
+        let count = 2.min(nearest.len());
+        if count == 0 {
+            return near;
+        }
+        nearest.select_nth_unstable_by(count - 1, |a, b| off(a).total_cmp(&off(b)));
+        let middle = nearest[..count].iter().map(|e| e.position).sum::<DVec3>() / count as f64;
+        for turned in [-turn, turn].into_iter().filter_map(|by| candidate.turned(by)) {
+            near.push(turned.moved_to(self.coordinate(turned, middle)));
         }
         near
     }
