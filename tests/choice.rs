@@ -183,7 +183,7 @@ fn a_shot_has_one_rung_for_a_light_and_threads_decide_nothing() {
 #[test]
 fn the_best_map_errs_least_at_equal_texels() {
     let folder = folder();
-    let plan = planned(folder.path(), "[solver]\nmethod = 'best'");
+    let plan = planned(folder.path(), "quality.epsilon = 0.003\nsolver.method = 'best'");
     let (light, choice) = only(&plan);
     assert_eq!(choice.tried.len(), 9, "every method with one map");
     let errors = || choice.tried.iter().filter_map(|t| t.error);
@@ -202,7 +202,7 @@ fn the_best_map_errs_least_at_equal_texels() {
         assert!(texels >= base && texels as f64 <= 1.15 * base as f64, "{tried:?}");
         assert!(tried.error.unwrap() > 0.0 && tried.misclassified.is_some());
     }
-    let plain = planned(folder.path(), "[solver]\nmethod = 'lixel'");
+    let plain = planned(folder.path(), "quality.epsilon = 0.003\nsolver.method = 'lixel'");
     assert!(texels(light) <= texels(&plain.frames[0].lights[0]), "never more than lixel's own");
 }
 
