@@ -51,10 +51,7 @@ fn why(ladder: &Ladder, solver: &SolverParams, whose: &str) -> String {
             } else {
                 format!("save {} % of them", percent(saving))
             };
-            format!(
-                "{taken} needs {} texels{whose}, and {next} would {saves}, where a step has to save {least}",
-                needs
-            )
+            format!("{taken} needs {needs} texels{whose}, and {next} would {saves}, where a step has to save {least}")
         }
         Stop::Missed => format!("{taken} meets the bound, and {next} would miss it"),
         Stop::NoMoreMaps => match &last.need {
@@ -67,7 +64,7 @@ fn why(ladder: &Ladder, solver: &SolverParams, whose: &str) -> String {
         Stop::Top => match solver.max_maps {
             1 => format!("{taken}, the last step that solver.max_maps = 1 allows"),
             most => {
-                format!("{taken} needs {} texels{whose}, the last step that solver.max_maps = {most} allows", needs)
+                format!("{taken} needs {needs} texels{whose}, the last step that solver.max_maps = {most} allows")
             }
         },
     }
