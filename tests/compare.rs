@@ -162,6 +162,38 @@ fn texels_are_searched_for_a_bound() {
     assert_eq!(summary.methods[1].texels, Some([needed; 3]), "one light is all quartiles");
 }
 
+/// `best` is the best of the rows with one map; `auto` is the row that it came to.
+#[test]
+fn methods_that_choose_are_rows_like_any_other() {
+    let single =
+        ["lixel", "scene-optimal", "focused", "lispsm", "tsm", "psm", "plane-optimal", "homography-area", "normal"];
+    let names: Vec<&str> = single.iter().copied().chain(["best", "auto", "partitioned:2", "partitioned:3"]).collect();
+    let mut job = job(2);
+    job.job.solver = SolverParams { measured_rounds: 1, max_maps: 3, ..SolverParams::default() };
+    job.job.quality.epsilon = Some(0.02);
+    job.job.map.step = 1.2;
+    let methods = names.iter().map(|name| Variant::parse(name, &job.job.solver).unwrap()).collect();
+    let mut with = CompareParams { methods, ..params(Question::Texels(4000), BiasChoice::Plan) };
+    for question in [Question::Texels(4000), Question::Epsilon] {
+        with.question = question;
+        let found = run(&job, &with, 2);
+        let row =
+            |method: &str, light: usize| &found.methods.iter().find(|m| m.method == method).unwrap().per_light[light];
+        for light in 0..2 {
+            let worth = |method: &str| {
+                let measured = row(method, light).measured.as_ref()?;
+                Some(measured.needed.map_or((false, measured.misclassified), |n| (!n.met, n.texels)))
+            };
+            let best = row("best", light);
+            assert_eq!(worth("best"), single.iter().filter_map(|m| worth(m)).min());
+            assert_eq!(best.measured, row(best.chosen.as_ref().unwrap(), light).measured);
+            let auto = row("auto", light);
+            assert_eq!(auto.measured, row(auto.chosen.as_ref().unwrap(), light).measured);
+        }
+        assert!(table(&found, &summarise(&found)).contains("\nbest came to "));
+    }
+}
+
 /// Variants of one method side by side; all maps of a light together get its texels, the maps even shares.
 #[test]
 fn variants_of_several_maps_share_the_texels() {

@@ -145,6 +145,7 @@ fn every_mode_goes_in_pieces() {
         "light = [{ name = 'sun' }]\n[shot]\ntemporal = 'snapped'\n[map]\nshape = 'rectangle'",
         "light = [{ name = 'sun' }]\n[shot]\nminimise = 'sum'\nchange_cost = 0.0\none_size = true",
         "light = [{ name = 'sun' }]\n[solver]\nmethod = 'focused'",
+        "light = [{ name = 'sun' }]\n[solver]\nmethod = 'auto'\nmin_saving = 0.0\nmax_maps = 2",
         "light = [{ name = 'lamp' }]\n[quality]\nmeasure = 'never'",
     ]
     .into_iter()
@@ -154,7 +155,8 @@ fn every_mode_goes_in_pieces() {
         let whole = planned(folder.path(), &overrides);
         let (pieces, rounds) = in_pieces(folder.path(), &overrides, &["21", "41-90", "1-20"], 10 + seed as u64);
         assert!(pieces == whole, "{overrides}");
-        if !overrides.contains("temporal = 's") && !overrides.contains("one_size") {
+        let grows = ["temporal = 's", "one_size", "'auto'"].iter().any(|mode| overrides.contains(mode));
+        if !grows {
             assert_eq!(rounds, 1, "{overrides}: nothing there to grow");
         }
     }

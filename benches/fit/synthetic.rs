@@ -66,6 +66,7 @@ impl Scene {
             bounds: Bounds::of(self.edges.iter().map(|e| e.position)),
             edges: &self.edges,
             covered: &self.covered,
+            hull_only: false,
             clip: &[],
             texels: 512.0 * 512.0,
             aspect: Aspect::Free,

@@ -10,7 +10,7 @@ use lixel::compare::{
     summarise, table, temporal_json, temporal_table, write_file,
 };
 use lixel::job::{Job, JobError, check};
-use lixel::methods::SolverParams;
+use lixel::methods::{Method, SolverParams};
 use lixel::plan::{Dest, PlanError, Watch};
 use lixel::raster::SIZE_MAX;
 use lixel::shot::{Temporal, TemporalParams};
@@ -40,7 +40,7 @@ Exit codes: 0 done, 1 failure, 2 bad input, 130/143 stopped.")]
 pub(super) struct CompareArgs {
     /// A job file (.toml), or a scene with its camera and lights (.gltf, .glb, .obj)
     input: PathBuf,
-    /// Methods, in the order of the rows [default: all, with the job's settings]
+    /// Methods, in the order of the rows [default: all but auto and best, with the job's settings]
     ///
     /// A name as in the job's solver.method, which may have settings after colons: values of the method's own keys of
     /// [solver] in any order, as in cascades:log:warped:4, tsm:0.7, separating-plane:psm:1, homography-area:alpha,
@@ -190,7 +190,7 @@ fn temporal(args: &CompareArgs, quiet: bool, signals: &Signals) -> Result<ExitCo
     Ok(ExitCode::from(MET))
 }
 
-/// Methods by name, each once; all when none is named.
+/// Methods by name, each once; all that do not choose among others when none is named.
 fn methods(names: &[String], job: &SolverParams) -> Result<Vec<Variant>, Failure> {
     let mut chosen: Vec<Variant> = Vec::new();
     for name in names {
@@ -199,5 +199,8 @@ fn methods(names: &[String], job: &SolverParams) -> Result<Vec<Variant>, Failure
             chosen.push(found);
         }
     }
-    Ok(if chosen.is_empty() { all_methods().into_iter().map(|m| Variant::plain(m, job)).collect() } else { chosen })
+    // Those that choose among the others would plan each of them once more.
+    let own = |method: &Method| !matches!(method, Method::Auto | Method::Best);
+    let all = || all_methods().into_iter().filter(own).map(|m| Variant::plain(m, job)).collect();
+    Ok(if chosen.is_empty() { all() } else { chosen })
 }

@@ -46,6 +46,9 @@ pub(super) struct JobFlags {
     /// How the matrix is chosen
     #[arg(long, value_parser = values::<Method>())]
     method: Option<String>,
+    /// Most maps of a light with --method auto
+    #[arg(long, value_name = "N")]
+    max_maps: Option<u32>,
     /// Largest width and height of a map, texels
     #[arg(long, value_name = "N")]
     max_resolution: Option<u32>,
@@ -62,7 +65,7 @@ pub(super) struct JobFlags {
 
 impl JobFlags {
     /// Every flag: its name, its key, and its value if it was given.
-    fn entries(&self) -> [(&'static str, &'static str, Option<Value>); 14] {
+    fn entries(&self) -> [(&'static str, &'static str, Option<Value>); 15] {
         let one = |values: &[String]| match values {
             [value] => Some(Value::String(value.clone())),
             _ => None,
@@ -80,6 +83,7 @@ impl JobFlags {
             ("--budget", "budget", self.budget.clone().map(Value::Table)),
             ("--bound", "quality.bound", text(&self.bound)),
             ("--method", "solver.method", text(&self.method)),
+            ("--max-maps", "solver.max_maps", self.max_maps.map(integer)),
             ("--max-resolution", "map.max", self.max_resolution.map(integer)),
             ("--measure", "quality.measure", text(&self.measure)),
             ("--temporal", "shot.temporal", one(&self.temporal)),

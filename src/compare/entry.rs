@@ -1,10 +1,10 @@
 //! One method on one light: solved, drawn, counted.
 
-use super::{BIAS_GRID, BiasChoice, CompareParams, Measured, PerLight, Question, TexelsFor, Variant, budget};
+use super::{BIAS_GRID, BiasChoice, CompareParams, Measured, PerLight, Question, TexelsFor, Variant, budget, chosen};
 use crate::job::Job;
 use crate::math::Bounds;
 use crate::measure::Receivers;
-use crate::methods::{Inapplicable, Method};
+use crate::methods::{Inapplicable, Method, SolverParams};
 use crate::plan::PlanError;
 use crate::raster::{Bias, RasterError};
 use crate::resolution::{
@@ -39,33 +39,55 @@ pub(super) struct Mask {
     pub(super) edge: Vec<u32>,
 }
 
-/// Solves, draws and counts.
+impl Case<'_> {
+    /// What is asked under some settings.
+    pub(super) fn question<'b>(&'b self, solver: &'b SolverParams, job: &'b Job) -> FilmQuestion<'b> {
+        FilmQuestion {
+            camera: self.camera,
+            film: self.film,
+            light: self.light,
+            bounds: self.bounds,
+            quality: &job.quality,
+            map: &job.map,
+            solver,
+            sample_cap: job.sampling.cap as usize,
+        }
+    }
+}
+
+/// The row of a variant.
 pub(super) fn entry(
     case: &Case,
     variant: &Variant,
     job: &Job,
     params: &CompareParams,
 ) -> Result<(PerLight, Mask), PlanError> {
+    match variant.solver.method {
+        Method::Auto => chosen::by_ladder(case, variant, job, params),
+        Method::Best => chosen::best(case, variant, job, params),
+        _ => alone(case, &variant.solver, job, params),
+    }
+}
+
+/// Solves, draws and counts.
+pub(super) fn alone(
+    case: &Case,
+    solver: &SolverParams,
+    job: &Job,
+    params: &CompareParams,
+) -> Result<(PerLight, Mask), PlanError> {
     let start = Instant::now();
-    let question = FilmQuestion {
-        camera: case.camera,
-        film: case.film,
-        light: case.light,
-        bounds: case.bounds,
-        quality: &job.quality,
-        map: &job.map,
-        solver: &variant.solver,
-        sample_cap: job.sampling.cap as usize,
-    };
+    let question = case.question(solver, job);
     let mut row = PerLight {
         frame: case.frame,
         light: case.light.name.clone(),
+        chosen: None,
         reason: None,
         measured: None,
         solve_seconds: 0.0,
         seconds: 0.0,
     };
-    if variant.solver.method == Method::Irregular {
+    if solver.method == Method::Irregular {
         row.measured = Some(exact(case, params));
         return Ok((row, Mask::default()));
     }

@@ -11,6 +11,7 @@
 //! Lights are independent of each other and shared out to threads; no number but the times depends on how.
 
 mod budget;
+mod chosen;
 mod entry;
 mod files;
 mod glyphs;
@@ -30,7 +31,7 @@ mod workers;
 pub(crate) use budget::sizes as sizes_of;
 pub use files::{SCHEMA, csv, json, write_file};
 pub use hemisphere::random_hemisphere;
-pub use params::{BIAS_GRID, BiasChoice, CompareParams, Question, all_methods, name_of};
+pub use params::{BIAS_GRID, BiasChoice, CompareParams, Question, all_methods};
 pub use run::compare;
 pub use scatter::scatter;
 pub(crate) use statistics::quantile;

@@ -66,14 +66,6 @@ pub fn all_methods() -> Vec<Method> {
     variants.into_iter().filter_map(|v| serde_json::from_value(v["const"].clone()).ok()).collect()
 }
 
-/// The name of a method, as in a job.
-pub fn name_of(method: Method) -> String {
-    match serde_json::to_value(method) {
-        Ok(serde_json::Value::String(name)) => name,
-        other => format!("{other:?}"),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -83,7 +75,7 @@ mod tests {
         let all = all_methods();
         assert!(all.contains(&Method::Lixel) && all.contains(&Method::SceneOptimal));
         for method in all {
-            let read: Method = serde_json::from_value(name_of(method).into()).unwrap();
+            let read: Method = serde_json::from_value(method.name().into()).unwrap();
             assert_eq!(read, method);
         }
     }

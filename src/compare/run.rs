@@ -102,6 +102,7 @@ fn light(
         let row = |_| PerLight {
             frame: stage.frame,
             light: light.name.clone(),
+            chosen: None,
             reason: case.skipped.clone(),
             measured: None,
             solve_seconds: 0.0,

@@ -18,9 +18,11 @@ pub fn table(comparison: &Comparison, summary: &Summary) -> String {
     let reference = &summary.reference;
     if comparison.epsilon.is_some() {
         text += &grid(&texels_rows(summary, reference));
+        text += &choices(comparison);
         return text;
     }
     text += &grid(&main_rows(summary, reference));
+    text += &choices(comparison);
     for m in &summary.methods {
         if let Some(samples) = m.samples {
             text += &format!("\n{}: exact, at the cost of {samples:.0} samples a light in place of texels\n", m.method);
@@ -30,6 +32,25 @@ pub fn table(comparison: &Comparison, summary: &Summary) -> String {
     text += &grid(&worst_rows(summary));
     text += "\nWrong pixels measured against predicted: slope through the origin, Pearson's r, r of the logarithms\n\n";
     text += &grid(&prediction_rows(summary));
+    text
+}
+
+/// How often `auto` and `best` came to each method, in the order in which they first did.
+fn choices(comparison: &Comparison) -> String {
+    let mut text = String::new();
+    for method in &comparison.methods {
+        let mut counts: Vec<(&str, usize)> = Vec::new();
+        for chosen in method.per_light.iter().filter_map(|row| row.chosen.as_deref()) {
+            match counts.iter_mut().find(|(name, _)| *name == chosen) {
+                Some((_, count)) => *count += 1,
+                None => counts.push((chosen, 1)),
+            }
+        }
+        if !counts.is_empty() {
+            let listed: Vec<String> = counts.iter().map(|(name, count)| format!("{name} {count} times")).collect();
+            text += &format!("\n{} came to {}\n", method.method, listed.join(", "));
+        }
+    }
     text
 }
 

@@ -61,6 +61,9 @@ pub struct PerLight {
     pub frame: i64,
     /// Name of the light.
     pub light: String,
+    /// The method that `auto` or `best` came to.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub chosen: Option<String>,
     /// Why the method does not apply, or why there was nothing to compare.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,

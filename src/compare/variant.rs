@@ -3,7 +3,6 @@
 //! After a method's name come settings between colons: a value of one of the method's own keys of `[solver]`, which then
 //! needs no key, as no two of them take the same words; or `key=value` for any key.
 
-use super::name_of;
 use crate::job::check_solver;
 use crate::methods::{Method, SolverParams};
 use serde::Deserialize;
@@ -21,7 +20,7 @@ pub struct Variant {
 impl Variant {
     /// A method with the settings of a job.
     pub fn plain(method: Method, job: &SolverParams) -> Variant {
-        Variant { name: name_of(method), solver: SolverParams { method, ..job.clone() } }
+        Variant { name: method.name(), solver: SolverParams { method, ..job.clone() } }
     }
 
     /// `name`, or `name:setting:…`, over the settings of a job.
@@ -33,7 +32,7 @@ impl Variant {
         let name = words.next().unwrap_or_default();
         let method = super::all_methods()
             .into_iter()
-            .find(|method| name_of(*method) == name)
+            .find(|method| method.name() == name)
             .ok_or_else(|| format!("no method is named {name:?}; there are {}", names()))?;
         let mut settings = Table::new();
         for word in words {
@@ -65,7 +64,7 @@ fn own_key(method: Method, word: &str, given: &Table) -> Result<&'static str, St
         !given.contains_key(key) && SolverParams::deserialize(alone).is_ok()
     };
     keys.iter().copied().find(|key| takes(key)).ok_or_else(|| match keys {
-        [] => format!("{word:?}: {} has no settings of its own; give key=value", name_of(method)),
+        [] => format!("{word:?}: {} has no settings of its own; give key=value", method.name()),
         _ => format!("{word:?} is no value of {} that is not given yet; give one, or key=value", keys.join(", ")),
     })
 }
@@ -79,7 +78,7 @@ fn value_of(text: &str) -> Value {
 }
 
 fn names() -> String {
-    super::all_methods().into_iter().map(name_of).collect::<Vec<_>>().join(", ")
+    super::all_methods().into_iter().map(Method::name).collect::<Vec<_>>().join(", ")
 }
 
 #[cfg(test)]

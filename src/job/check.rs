@@ -80,6 +80,7 @@ pub fn check(job: &Job) -> Result<(), Problem> {
     settings::sampling(&job.sampling)?;
     settings::solver(&job.solver)?;
     settings::shot(&job.shot, &job.map)?;
+    settings::choosing(job)?;
     settings::lookup(job)?;
     settings::budget(job)
 }

@@ -73,9 +73,22 @@ pub enum Method {
     Edges,
     /// No map: exact visibility at every pixel, as an irregular z-buffer gives it. For comparison only.
     Irregular,
+    /// The simplest of `focused`, `lixel` and `partitioned` with 2, 3, … up to `solver.max_maps` maps from which a further
+    /// step would save less than `solver.min_saving` of the texels.
+    Auto,
+    /// Of `lixel` and the other methods with one map, the one with the fewest wrong pixels at equal texels, as measured.
+    Best,
 }
 
 impl Method {
+    /// As in a job.
+    pub fn name(self) -> String {
+        match serde_json::to_value(self) {
+            Ok(serde_json::Value::String(name)) => name,
+            other => format!("{other:?}"),
+        }
+    }
+
     /// The keys of `[solver]` that are this method's alone.
     pub fn own_settings(self) -> &'static [&'static str] {
         match self {
@@ -87,6 +100,8 @@ impl Method {
             Method::Cascades => &["cascade_split", "cascade_fit", "cascade_count", "cascade_blend"],
             Method::PlaneOptimal => &["plane"],
             Method::Partitioned => &["maps", "metric", "effort"],
+            Method::Auto => &["max_maps", "min_saving", "metric", "effort"],
+            Method::Best => &["metric", "effort"],
             Method::Adaptive | Method::Edges => &["tiles"],
             Method::Normal
             | Method::Focused
@@ -113,6 +128,9 @@ pub struct Inputs<'a> {
     pub edges: &'a [EdgePoint],
     /// Scene points that the maps have to hold.
     pub covered: &'a [DVec3],
+    /// The covered points are but the vertices of their hull as seen from the light: the maps hold all that lies between
+    /// them.
+    pub hull_only: bool,
     /// Half-spaces (n, d), inside where n·p + d ≥ 0, that cut the view frustum: what of it one map of several answers
     /// for. None for a whole light.
     pub clip: &'a [DVec4],
@@ -134,6 +152,9 @@ pub enum Inapplicable {
     /// Irregular z-buffers.
     #[error("exact visibility at every pixel has no map: \"irregular\" takes part in comparisons only")]
     NoMap,
+    /// They are resolved before there is anything to solve.
+    #[error("\"auto\" and \"best\" choose among other methods and have no matrix of their own")]
+    Chooses,
     /// No point is covered.
     #[error("nothing to cover")]
     Empty,
@@ -207,6 +228,7 @@ pub fn solve(method: Method, inputs: &Inputs) -> Result<Vec<Region>, Inapplicabl
     let regions = split::by_cube_faces(inputs, |given, axis| {
         let single = match method {
             Method::Irregular => return Err(Inapplicable::NoMap),
+            Method::Auto | Method::Best => return Err(Inapplicable::Chooses),
             Method::Partitioned => return partitioned::solve(given, axis),
             Method::Adaptive => return adaptive::solve(given, axis, adaptive::Level::Footprint),
             Method::Edges => return adaptive::solve(given, axis, adaptive::Level::Edges),

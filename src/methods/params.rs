@@ -27,6 +27,12 @@ pub struct SolverParams {
     pub measured_rounds: u32,
     /// `partitioned`: most maps of a light (of each cube face, for a light among the geometry), 1 to 64.
     pub maps: u32,
+    /// `auto`: most maps of a light (of each cube face, for a light among the geometry), 1 to 64. 1 = never several.
+    pub max_maps: u32,
+    /// `auto`: a step to the next method, or to one map more, has to save this share of the texels, in [0, 1). Each map is
+    /// drawn and looked up besides, and the sizes themselves come in steps of a few percent, so that less is not worth a
+    /// renderer's while. 0 = whatever saves anything.
+    pub min_saving: f64,
     /// `adaptive`, `edges`: most tiles of a light (of each cube face), 1 to 1024.
     pub tiles: u32,
     /// `psm`: the camera slides back until the plane at infinity lies at this depth or deeper, in the post-perspective
@@ -130,6 +136,8 @@ impl Default for SolverParams {
             effort: Effort::default(),
             measured_rounds: 12,
             maps: 4,
+            max_maps: 4,
+            min_saving: 0.15,
             tiles: 32,
             psm_infinity: 1.5,
             tsm_depth: 0.52,

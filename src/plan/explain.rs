@@ -26,10 +26,10 @@ fn sentence(light: &LightPlan, job: &Job) -> String {
     }
 }
 
-/// Status, method, size, the next smaller size, the bias.
+/// Status, method and why it is this one, size, the next smaller size, the bias.
 fn with_maps(light: &LightPlan, job: &Job) -> String {
     let status = if light.status == Status::Planned { "planned" } else { "not met" };
-    let parts = [Some(outcome(light, job)), smaller(light, job), bias(light), across(light)];
+    let parts = [choice(light), Some(outcome(light, job)), smaller(light, job), bias(light), across(light)];
     let parts: Vec<String> = parts.into_iter().flatten().collect();
     format!("{status}, {}: {}", maps(light), parts.join("; "))
 }
@@ -37,18 +37,21 @@ fn with_maps(light: &LightPlan, job: &Job) -> String {
 /// The maps, by the method that chose them.
 fn maps(light: &LightPlan) -> String {
     let Some(first) = light.maps.first() else { return "without a map".to_owned() };
-    let method = match serde_json::to_value(first.method) {
-        Ok(serde_json::Value::String(name)) => name,
-        other => format!("{other:?}"),
-    };
+    let whose = if choice(light).is_some() { "" } else { "the job's method " };
+    let method = first.method.name();
     let size = format!("{}x{}", first.width, first.height);
     match light.maps.len() {
-        1 => format!("one map of {size} by the job's method `{method}`"),
+        1 => format!("one map of {size} by {whose}`{method}`"),
         n => {
             let texels: u64 = light.maps.iter().map(MapPlan::texels).sum();
-            format!("{n} maps by the job's method `{method}`, the first {size}, {texels} texels in all")
+            format!("{n} maps by {whose}`{method}`, the first {size}, {texels} texels in all")
         }
     }
+}
+
+/// Why it is this method, where it was chosen among several.
+fn choice(light: &LightPlan) -> Option<String> {
+    Some(light.solver.as_ref()?.choice.as_ref()?.reason.clone())
 }
 
 /// The error of the chosen size and the bound it was chosen for.

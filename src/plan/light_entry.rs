@@ -1,5 +1,6 @@
 //! One light of one frame: from rays to an entry of the plan.
 
+use super::light_maps::Wanted;
 use super::map_entry::{Chosen, map_entry};
 use super::seen::{Seen, seen_by, seen_on_film};
 use super::stage::{FrameStage, Lit, measures};
@@ -7,12 +8,10 @@ use super::{FromImages, LightError, LightPlan, MapPlan, Measured, PlanError, Pre
 use crate::job::Job;
 use crate::math::first_holding;
 use crate::measure::{EDGE_ON_DEGREES, Outside, Receivers};
-use crate::methods::Region;
-use crate::resolution::{self, Bound, Certified, FittedLight, Judge, JudgedMap, certify, fit_light, predict_only};
+use crate::methods::Method;
+use crate::resolution::{Bound, Certified, FittedLight, JudgedMap, Planned};
 use crate::scene::{Film, Light, VisibilitySource};
-use crate::shot::in_frame;
 use crate::visibility::Answer;
-use glam::DVec3;
 use std::time::Instant;
 
 /// Plans one light. `timings` adds wall time; `given` are the regions to measure, where they are not to be fitted here.
@@ -76,70 +75,30 @@ fn settle(
         no_map_needed(entry, facing, job);
         return Ok(None);
     }
-    let question = stage.question(light, job);
-    let found = match given {
-        Some(given) => Ok(FittedLight { regions: in_frame(&given.regions, &samples.edges), ..given.clone() }),
-        None => fit_light(&question, samples, film),
-    };
-    let mut fitted = match found {
-        Ok(fitted) => fitted,
+    let seen = seen(stage, answers, film);
+    let (found, choice) = Wanted { stage, light, job, lit, seen: &seen }.find(given)?;
+    let Planned { maps, fitted, certified, spent } = match found {
+        Ok(found) => found,
         Err(reason) => {
-            (entry.status, entry.reason) = (Status::Inapplicable, Some(reason.to_string()));
+            (entry.status, entry.reason) = (Status::Inapplicable, Some(reason));
             return Ok(None);
         }
     };
-    let seen = seen(stage, answers, film);
-    let (maps, certified) = match (film, stage.view) {
-        (Some(film), Some(view)) => {
-            let judge = Judge::new(stage.tracer, view, &question, &fitted, film, stage.offset);
-            let mut judge = match judge {
-                Ok(judge) => judge,
-                Err(reason) => {
-                    (entry.status, entry.reason) = (Status::Inapplicable, Some(reason.to_string()));
-                    return Ok(None);
-                }
-            };
-            let certified = if given.is_some() {
-                certify(&question, &fitted, &mut judge)?
-            } else {
-                resolution::choose(&question, samples, &mut fitted, &mut judge)?
-            };
-            entry.cost.texels_drawn = judge.texels_drawn;
-            entry.cost.triangles_drawn = judge.triangles_drawn;
-            (judge.maps, certified)
-        }
-        _ => {
-            let receivers: Vec<DVec3> = match film {
-                Some(film) => film.positions.clone(),
-                None => seen.iter().map(|s| s.position).collect(),
-            };
-            fitted.drop_unseen(&receivers);
-            let kept = |region: &Region, own: &[DVec3]| stage.kept(region, own, light, job);
-            match JudgedMap::of_all_by(&fitted.regions, &receivers, kept) {
-                Ok(maps) => (maps, predict_only(&question, &fitted)),
-                Err(reason) => {
-                    (entry.status, entry.reason) = (Status::Inapplicable, Some(reason.to_string()));
-                    return Ok(None);
-                }
-            }
-        }
-    };
-    entry.maps = map_entries(&maps, &certified, job, light, stage, &seen);
+    [entry.cost.texels_drawn, entry.cost.triangles_drawn, entry.cost.solver_evaluations] = spent;
+    entry.maps = map_entries((&maps, fitted.method), &certified, light, stage, &seen);
     entry.status = if certified.met { Status::Planned } else { Status::NotMet };
     if !certified.met {
         entry.reason = Some(not_met_reason(job, &certified, stage.film));
     }
-    entry.solver = Some(solver_report(job, &fitted));
-    entry.cost.solver_evaluations = fitted.evaluations;
+    entry.solver = Some(SolverReport { choice, ..solver_report(job, &fitted) });
     entry.error = Some(light_error(job, &certified, stage, film));
     Ok(Some(Settled { maps, fitted, certified }))
 }
 
-/// The entries of a light's maps.
+/// The entries of a light's maps, which are of a method.
 pub(super) fn map_entries(
-    maps: &[JudgedMap],
+    (maps, method): (&[JudgedMap], Method),
     certified: &Certified,
-    job: &Job,
     light: &Light,
     stage: &FrameStage,
     seen: &[Seen],
@@ -149,7 +108,7 @@ pub(super) fn map_entries(
     (0..maps.len())
         .map(|k| {
             let answers = |point| answering(point) == Some(k);
-            let chosen = Chosen { method: job.solver.method, size: certified.sizes[k], bias: certified.bias };
+            let chosen = Chosen { method, size: certified.sizes[k], bias: certified.bias };
             map_entry(&maps[k], &chosen, light, tracer, seen, answers)
         })
         .collect()
@@ -205,6 +164,7 @@ pub(super) fn solver_report(job: &Job, fitted: &FittedLight) -> SolverReport {
         rounds: reports().map(|r| u64::from(r.rounds)).max().unwrap_or(0),
         grazing: reports().map(|r| r.grazing).sum(),
         joined: fitted.joined,
+        choice: None,
         termination: worst.map_or(crate::fit::Termination::Direct, |r| r.termination),
     }
 }

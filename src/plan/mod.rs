@@ -2,6 +2,7 @@
 
 mod across;
 mod budget;
+mod choice;
 mod conventions;
 mod domain;
 mod error;
@@ -11,6 +12,7 @@ mod inputs;
 mod json;
 mod light_camera;
 mod light_entry;
+mod light_maps;
 mod make;
 mod map_entry;
 mod pieces;

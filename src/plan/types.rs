@@ -1,6 +1,7 @@
 //! The plan's own types. Their doc comments are the descriptions in the JSON Schema.
 
 mod budget;
+mod choice;
 mod light;
 mod map;
 mod operating;
@@ -13,6 +14,7 @@ use super::{Conventions, Input, SCHEMA};
 use crate::job::Job;
 
 pub use budget::{BudgetSummary, LightBudget};
+pub use choice::{Alternative, Choice};
 pub use light::{
     Casters, Cost, FromImages, LightError, LightPlan, Measured, MetBy, Predicted, RangeEnd, SolverReport, Status, Tried,
 };

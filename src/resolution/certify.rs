@@ -1,7 +1,7 @@
 //! Chooses the smallest size by measurement, with a certificate of what was tried.
 
 use super::bias::{default_bias, measured_bias};
-use super::fitted::{predict, predicted_bound};
+use super::fitted::{bound_limit, predict, predicted_bound};
 use super::judge::Judge;
 use super::{
     Bound, Drawing, FilmQuestion, FittedLight, Measure, Probe, SizeGrid, grown, polish, polishes, size_on_grid,
@@ -47,6 +47,25 @@ pub struct Certified {
     pub tried: Vec<Trial>,
 }
 
+impl Certified {
+    /// The error at the chosen size over what the bound allows: measured where it was, else predicted.
+    pub fn error_over_bound(&self, question: &FilmQuestion) -> f64 {
+        let limit = bound_limit(question.quality, question.film);
+        match &self.chosen {
+            Some(trial) => trial.error_over_bound(question),
+            None => self.predicted_at_quantile.unwrap_or(self.predicted.misclassified) / limit,
+        }
+    }
+}
+
+impl Trial {
+    /// The measured error over what the bound allows.
+    pub fn error_over_bound(&self, question: &FilmQuestion) -> f64 {
+        let limit = bound_limit(question.quality, question.film);
+        self.at_quantile.unwrap_or_else(|| self.verdict.least_limit()) / limit
+    }
+}
+
 /// Chooses matrices and size by measurement: the size that the fitted maps need, better maps at that size and with its
 /// bias where the job asks for them, and the size that these need.
 pub fn choose(
@@ -56,6 +75,18 @@ pub fn choose(
     judge: &mut Judge,
 ) -> Result<Certified, RasterError> {
     let first = certify(question, fitted, judge)?;
+    refined(question, samples, fitted, judge, first)
+}
+
+/// Better matrices than those of a certificate, at its size and with its bias, and the size that these need; the same where
+/// there are none.
+pub fn refined(
+    question: &FilmQuestion,
+    samples: &LightSamples,
+    fitted: &mut FittedLight,
+    judge: &mut Judge,
+    first: Certified,
+) -> Result<Certified, RasterError> {
     if !polishes(question.solver) {
         return Ok(first);
     }
@@ -158,18 +189,11 @@ pub fn trial(
     sizes: Vec<[u32; 2]>,
 ) -> (Probe, Trial) {
     let verdict = judge.verdict(wrong);
-    let epsilon = question.quality.epsilon();
-    let (ratio, meets, at_quantile) = match question.quality.bound {
-        Bound::Misclassified => {
-            let limit = epsilon * question.film.pixels() as f64;
-            (verdict.least_limit() / limit, verdict.meets(limit), None)
-        }
-        Bound::Displacement | Bound::Footprint => {
-            let value = judge.at_quantile(drawn, wrong);
-            (value / epsilon, value <= epsilon, Some(value))
-        }
-    };
-    (Probe { meets, ratio }, Trial { sizes, verdict, at_quantile, meets })
+    let limit = bound_limit(question.quality, question.film);
+    let at_quantile = (question.quality.bound != Bound::Misclassified).then(|| judge.at_quantile(drawn, wrong));
+    let meets = at_quantile.map_or_else(|| verdict.meets(limit), |value| value <= limit);
+    let trial = Trial { sizes, verdict, at_quantile, meets };
+    (Probe { meets, ratio: trial.error_over_bound(question) }, trial)
 }
 
 /// Chooses by the prediction alone.

@@ -5,7 +5,7 @@ use super::{AspectRule, Bound, MapParams, QualityParams, shares};
 use crate::fit::Aspect;
 use crate::math::{Bounds, first_holding};
 use crate::measure::{Outside, Receivers};
-use crate::methods::{Inapplicable, Inputs, Prediction, Region, SolverParams, held, solve};
+use crate::methods::{Inapplicable, Inputs, Method, Prediction, Region, SolverParams, held, solve};
 use crate::samples::LightSamples;
 use crate::scene::{Camera, Film, Light};
 use glam::DVec3;
@@ -35,6 +35,8 @@ pub struct FilmQuestion<'a> {
 /// Fitted regions, and the texels they were fitted for.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 pub struct FittedLight {
+    /// The method that they are of.
+    pub method: Method,
     /// One for each map.
     pub regions: Vec<Region>,
     /// Share of the texels of each map; they sum to 1.
@@ -51,7 +53,7 @@ pub struct FittedLight {
 
 impl<'a> FilmQuestion<'a> {
     /// The aspects that the job allows.
-    fn aspect(&self) -> Aspect {
+    pub(super) fn aspect(&self) -> Aspect {
         match self.map.aspect {
             AspectRule::Free if !self.map.square => Aspect::Free,
             _ => Aspect::Fixed(1.0),
@@ -73,6 +75,7 @@ impl<'a> FilmQuestion<'a> {
             bounds: self.bounds,
             edges: &samples.edges,
             covered,
+            hull_only: samples.hull_only,
             clip: &[],
             texels,
             aspect: self.aspect(),
@@ -201,8 +204,9 @@ impl<'a> Cover<'a> {
 
     fn fitted(self, regions: Vec<Region>, texels: f64) -> FittedLight {
         let shares = shares(&regions);
-        let Cover { covered, joined, evaluations, .. } = self;
-        FittedLight { regions, shares, texels, evaluations, joined, covered }
+        let Cover { question, covered, joined, evaluations, .. } = self;
+        let method = question.solver.method;
+        FittedLight { method, regions, shares, texels, evaluations, joined, covered }
     }
 }
 

@@ -2,6 +2,7 @@
 
 mod bias;
 mod certify;
+mod choice;
 mod fitted;
 mod judge;
 mod nearby;
@@ -12,7 +13,11 @@ mod shares;
 mod sizes;
 
 pub use bias::{default_bias, measured_bias};
-pub use certify::{Certified, Trial, certify, choose, grid_of, predict_only, predicted_at_quantile, trial};
+pub use certify::{Certified, Trial, certify, choose, grid_of, predict_only, predicted_at_quantile, refined, trial};
+pub use choice::{
+    Contest, Entrant, Ladder, Need, OnFilm, Planned, Rung, SINGLE_MAP, Standing, Stop, TriedRung, auto, best, climb,
+    improved, planned, rungs,
+};
 pub use fitted::{
     FilmQuestion, FittedLight, bound_limit, fit_light, fit_texels, predict, predicted_bound, predicted_texels,
 };

@@ -118,7 +118,11 @@ impl Part<'_> {
     fn best(&self, judge: &mut Judge, region: &Region, measured: &mut u64) -> Result<Option<JudgedMap>, RasterError> {
         let solver = self.question.solver;
         let Some(mut best) = self.measure(judge, region, f64::INFINITY)? else { return Ok(None) };
-        let variant = |method: Method, metric: Metric| self.variant(method, metric, &region.domain);
+        // The parts of a hull are not among the covered points, which other methods would be fitted to.
+        let parted = self.inputs.hull_only && solver.method == Method::Partitioned;
+        let variant = |method: Method, metric: Metric| {
+            if parted { None } else { self.variant(method, metric, &region.domain) }
+        };
         let others = [
             variant(Method::Lixel, Metric::Displacement).filter(|_| solver.metric != Metric::Displacement),
             variant(Method::Lixel, Metric::Saturating).filter(|_| solver.metric != Metric::Saturating),

@@ -92,6 +92,7 @@ impl<'a> Changes<'a> {
             rays: 0,
             edges,
             covered,
+            hull_only: false,
         }
     }
 

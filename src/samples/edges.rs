@@ -32,6 +32,8 @@ pub struct LightSamples {
     pub edges: Vec<EdgePoint>,
     /// Scene points that the map has to hold.
     pub covered: Vec<DVec3>,
+    /// They are but the vertices of their hull as seen from the light: all that lies between them is to be held too.
+    pub hull_only: bool,
     /// Grid positions by answer: facing the light, and of those in shadow.
     pub facing: u64,
     /// Grid positions in shadow.

@@ -74,7 +74,8 @@ pub fn fit_interval(
     let Some(first) = parts.first() else { return Err(Inapplicable::Empty) };
     let quick = look == Look::Quick;
     let probed = probes(parts.len(), if quick { PROBED } else { parts.len() });
-    let samples = LightSamples { covered: cover, ..samples(parts, &probed, FITTED[usize::from(!quick)]) };
+    let samples =
+        LightSamples { covered: cover, hull_only: true, ..samples(parts, &probed, FITTED[usize::from(!quick)]) };
     let solver = match look {
         Look::Full => asked.solver.clone(),
         Look::Quick => {
@@ -130,7 +131,7 @@ fn samples(parts: &[&LightPart], probed: &[usize], count: usize) -> LightSamples
 
 /// The edges that an interval is fitted to in full.
 pub fn interval_samples(parts: &[&LightPart]) -> LightSamples {
-    samples(parts, &probes(parts.len(), parts.len()), FITTED[1])
+    LightSamples { hull_only: true, ..samples(parts, &probes(parts.len(), parts.len()), FITTED[1]) }
 }
 
 /// The same regions, predicting for the edges of one frame.

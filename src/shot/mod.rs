@@ -25,4 +25,4 @@ pub use light_pose::{carry, light_poses};
 pub use params::{Hold, Minimise, Temporal, TemporalParams};
 pub use part::{LightPart, extremes_for_light, light_part};
 pub use partition::{Ends, cheapest, lowest_peak};
-pub use solve::{LightParts, Segment, Segmentation, Unsegmented, segments};
+pub use solve::{LightParts, Segment, Segmentation, Unsegmented, fit_segment, minimised_texels, segments};

@@ -62,6 +62,12 @@ impl LightParts {
         frames.filter(|f| self.parts[*f].needed > 0).collect()
     }
 
+    /// The points of some frames that span what they have to cover.
+    fn hull(&self, frames: Range<usize>) -> Vec<DVec3> {
+        let points: Vec<DVec3> = self.parts[frames].iter().flat_map(|p| p.cover.iter().copied()).collect();
+        extremes_for_light(&self.light, &points)
+    }
+
     /// How often a map over these frames is drawn: where light or content are not those of the frame before.
     fn draws(&self, frames: &[usize]) -> usize {
         let same =
@@ -119,15 +125,37 @@ pub fn segments(
     for ends in chosen.windows(2) {
         let frames = ends[0]..ends[1];
         cost += seeker.known.get(&(ends[0], ends[1])).map_or(0.0, |v| v.cost);
-        let needing = light.needing(frames.clone());
-        if needing.is_empty() {
-            continue;
+        if !light.needing(frames.clone()).is_empty() {
+            segments.push(fit_segment(asked, light, frames)?);
         }
-        let parts: Vec<&LightPart> = needing.iter().map(|f| &light.parts[*f]).collect();
-        let interval = fit_interval(asked, &light.light, &parts, seeker.hull(frames.clone()), Look::Full)?;
-        segments.push(Segment { frames, needing, interval });
     }
     Ok(Segmentation { segments, cost })
+}
+
+/// Fits a segment in full.
+///
+/// # Errors
+/// The reason why it has no matrix.
+pub fn fit_segment(asked: &Asked, light: &LightParts, frames: Range<usize>) -> Result<Segment, Unsegmented> {
+    let needing = light.needing(frames.clone());
+    let parts: Vec<&LightPart> = needing.iter().map(|f| &light.parts[*f]).collect();
+    let interval = fit_interval(asked, &light.light, &parts, light.hull(frames.clone()), Look::Full)?;
+    Ok(Segment { frames, needing, interval })
+}
+
+/// The texels of a light's segments as an objective counts them, without what changes cost: of each its texels and the
+/// frames that need them.
+pub fn minimised_texels<'a>(
+    light: &LightParts,
+    minimise: Minimise,
+    segments: impl Iterator<Item = (f64, &'a [usize])>,
+) -> f64 {
+    let of_each = segments.map(|(texels, needing)| match minimise {
+        Minimise::Drawn => texels * light.draws(needing) as f64,
+        Minimise::Sum => texels * needing.len() as f64,
+        Minimise::Peak => texels,
+    });
+    if minimise == Minimise::Peak { of_each.fold(0.0, f64::max) } else { of_each.sum() }
 }
 
 /// Looks for the cheapest cut.
@@ -170,7 +198,7 @@ impl Seeker<'_> {
     /// farther on.
     fn cut(&mut self, borders: &[usize], family: &[usize], most: usize) -> Option<Vec<usize>> {
         let blocks = borders.len() - 1;
-        let hulls: Vec<Vec<DVec3>> = borders.par_windows(2).map(|w| self.hull(w[0]..w[1])).collect();
+        let hulls: Vec<Vec<DVec3>> = borders.par_windows(2).map(|w| self.light.hull(w[0]..w[1])).collect();
         let near = |first: usize, end: usize| family[end].abs_diff(family[first]) <= SPAN;
         let fresh: Vec<(usize, usize)> = (0..blocks)
             .flat_map(|first| (first + 1..=blocks).map(move |end| (first, end)))
@@ -188,12 +216,6 @@ impl Seeker<'_> {
         };
         let (_, ends) = cut(blocks, most, self.params.minimise, at)?;
         Some(std::iter::once(0).chain(ends).map(|end| borders[end]).collect())
-    }
-
-    /// The points of some frames that span what they have to cover.
-    fn hull(&self, frames: Range<usize>) -> Vec<DVec3> {
-        let points: Vec<DVec3> = self.light.parts[frames].iter().flat_map(|p| p.cover.iter().copied()).collect();
-        extremes_for_light(&self.light.light, &points)
     }
 
     fn valued(&self, frames: Range<usize>, cover: Vec<DVec3>) -> Valued {

@@ -49,6 +49,7 @@ impl Setup {
             bounds: self.bounds,
             edges: &self.edges,
             covered: &self.covered,
+            hull_only: false,
             clip: &[],
             texels: self.texels,
             aspect: self.aspect,

@@ -129,6 +129,7 @@ pub(crate) fn plan(inputs: Vec<Input>) -> Plan {
         maps: vec![map(Domain::All, None)],
         error: Some(error(2000, true)),
         solver: Some(SolverReport {
+            choice: None,
             tolerance: 0.001,
             spread: 0.0004,
             gap: Some(0.0001),

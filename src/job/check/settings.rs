@@ -7,6 +7,7 @@ use crate::job::Job;
 use crate::methods::{Method, SolverParams};
 use crate::resolution::{Bound, MapParams, Measure, QualityParams, SIZE_MAX, TEXELS_MAX};
 use crate::samples::SamplingParams;
+use crate::scene::VisibilitySource;
 use crate::shot::{Temporal, TemporalParams};
 
 pub(super) fn quality(quality: &QualityParams) -> Result<(), Problem> {
@@ -75,6 +76,7 @@ pub(super) fn texels(map: &MapParams, solver: &SolverParams) -> Result<(), Probl
     let maps = match solver.method {
         Method::Adaptive | Method::Edges => solver.tiles,
         Method::Partitioned => solver.maps,
+        Method::Auto => solver.max_maps,
         Method::Cascades => solver.cascade_count,
         _ => 2,
     };
@@ -102,6 +104,9 @@ pub(super) fn solver(solver: &SolverParams) -> Result<(), Problem> {
     let tolerance = solver.tolerance;
     require(tolerance > 0.0 && tolerance <= 1.0, "solver.tolerance", tolerance, "above 0 and at most 1")?;
     require((1..=64).contains(&solver.maps), "solver.maps", solver.maps, "1 to 64")?;
+    require((1..=64).contains(&solver.max_maps), "solver.max_maps", solver.max_maps, "1 to 64")?;
+    let saving = solver.min_saving;
+    require((0.0..1.0).contains(&saving), "solver.min_saving", saving, "at least 0 and below 1")?;
     require((1..=1024).contains(&solver.tiles), "solver.tiles", solver.tiles, "1 to 1024")?;
     let infinity = solver.psm_infinity;
     require(infinity >= 1.0 && infinity.is_finite(), "solver.psm_infinity", infinity, "a finite number of at least 1")?;
@@ -147,6 +152,42 @@ pub(super) fn shot(shot: &TemporalParams, map: &MapParams) -> Result<(), Problem
     if shot.one_size && !matches!(shot.temporal, Temporal::Shot | Temporal::Snapped) {
         let message = "one size over the shot is a matter of the modes \"shot\" and \"snapped\"";
         return Err(problem("shot.one_size", message, "remove it, or change shot.temporal"));
+    }
+    Ok(())
+}
+
+/// That `auto` and `best` can choose the way they do.
+pub(super) fn choosing(job: &Job) -> Result<(), Problem> {
+    let mode = job.shot.temporal;
+    let of_one_frame = match job.solver.method {
+        Method::Auto => matches!(mode, Temporal::Hysteresis | Temporal::Snapped),
+        Method::Best => mode == Temporal::Hysteresis,
+        _ => return Ok(()),
+    };
+    let name = if job.solver.method == Method::Auto { "auto" } else { "best" };
+    if of_one_frame {
+        let (word, message) = match mode {
+            Temporal::Snapped => ("snapped", "moves one window over the shot, and maps of a partition have none"),
+            _ => ("hysteresis", "holds the maps of the frame before, and each frame would choose a method of its own"),
+        };
+        let message = format!("\"{word}\" {message}: it does not go with solver.method = \"{name}\"");
+        return Err(problem(
+            "shot.temporal",
+            message,
+            "set shot.temporal = \"shot\" or \"per-frame\", or name a method",
+        ));
+    }
+    if job.solver.method == Method::Best {
+        let images = job.visibility.source == VisibilitySource::Aov;
+        if images || job.quality.measure == Measure::Never {
+            let message = "\"best\" is the best by measurement, and nothing is measured";
+            let help = if images {
+                "name a method, or \"auto\": planned from images, maps cannot be drawn"
+            } else {
+                "set quality.measure = \"always\" (the preset draft does not), or name a method"
+            };
+            return Err(problem("solver.method", message, help));
+        }
     }
     Ok(())
 }

@@ -37,6 +37,8 @@ pub(super) struct Frame<'a> {
     film: [DVec4; 3],
     /// Row of the distance along the view axis.
     depth: DVec4,
+    /// Planes through the light alone.
+    hull_only: bool,
 }
 
 impl Frame<'_> {
@@ -50,6 +52,7 @@ impl Frame<'_> {
             region,
             film: [(x + w) * (0.5 * width), (w - y) * (0.5 * height), w],
             depth: forward.extend(-forward.dot(camera.position)),
+            hull_only: inputs.hull_only,
         }
     }
 
@@ -86,13 +89,15 @@ impl Frame<'_> {
         }
     }
 
-    /// All families at the quantiles of the edges' costs.
+    /// The families at the quantiles of the edges' costs.
     pub(super) fn candidates(&self, edges: &[EdgePoint], costs: &[f64]) -> Vec<Candidate> {
         let turned = |count: u32| (0..count).map(move |k| PI * f64::from(k) / f64::from(count));
         let mut pencils: Vec<Candidate> =
             turned(MAP_DIRECTIONS).map(|angle| Candidate::Map { angle, offset: 0.0 }).collect();
-        pencils.extend(turned(FILM_DIRECTIONS).map(|angle| Candidate::Film { angle, offset: 0.0 }));
-        pencils.push(Candidate::Depth { offset: 0.0 });
+        if !self.hull_only {
+            pencils.extend(turned(FILM_DIRECTIONS).map(|angle| Candidate::Film { angle, offset: 0.0 }));
+            pencils.push(Candidate::Depth { offset: 0.0 });
+        }
         pencils.iter().flat_map(|pencil| self.at_quantiles(*pencil, edges, costs)).collect()
     }
 

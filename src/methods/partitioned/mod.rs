@@ -5,8 +5,12 @@
 //! most is made, until there are `solver.maps` parts or no split gains. Candidates are screened on few edges and few
 //! covered points; the best few are fitted on all. The two halves of a plane are closed half-spaces with negated
 //! coefficients, so no point falls between them, and each map also covers a strip across the plane.
+//!
+//! Of a whole shot only the hull of the cover is known, seen from the light (`Inputs::hull_only`). What a plane leaves of a
+//! hull is known for planes through the light alone, so that only these are candidates then.
 
 mod candidates;
+mod halves;
 
 use super::region::Region;
 use super::{Inapplicable, Inputs, SolverParams, lixel};
@@ -15,6 +19,7 @@ use crate::math::Domain;
 use crate::samples::EdgePoint;
 use candidates::{Candidate, Frame};
 use glam::{DVec3, DVec4};
+use halves::{held_edges, held_points};
 use rayon::prelude::*;
 
 /// Edges and covered points that candidates are screened on: what a fit of a split costs then differs by a few percent
@@ -90,14 +95,17 @@ fn worth(inputs: &Inputs, region: &Region) -> f64 {
 fn best_split(inputs: &Inputs, part: &Part) -> Option<[Part; 2]> {
     let frame = Frame::new(inputs, &part.region);
     let edges = thinned(&part.edges, SCREENED_EDGES, |e, scale| EdgePoint { length_px: e.length_px * scale, ..*e });
-    let covered = thinned(&part.covered, SCREENED_COVER, |p, _| *p);
+    let covered = match inputs.hull_only {
+        true => part.covered.clone(),
+        false => thinned(&part.covered, SCREENED_COVER, |p, _| *p),
+    };
     let rough = SolverParams { effort: Effort::Local, rounds: inputs.solver.rounds.min(2), ..inputs.solver.clone() };
     let screen = Inputs { edges: &edges, covered: &covered, solver: &rough, ..*inputs };
     let score = |candidate: Candidate| {
         let plane = frame.plane(candidate)?;
         let halves = [plane, -plane].map(|side| {
             let edges = held_edges(&edges, side);
-            let covered = held_points(&covered, side, 0.0);
+            let covered = held_points(&screen, &part.region.space, &covered, side, 0.0);
             let half = Inputs { edges: &edges, covered: &covered, ..screen };
             (!covered.is_empty()).then(|| lixel::solve(&half, None).ok()).flatten()
         });
@@ -136,7 +144,8 @@ fn best_split(inputs: &Inputs, part: &Part) -> Option<[Part; 2]> {
 /// One half of a part, fitted on all of its own.
 fn half(inputs: &Inputs, part: &Part, plane: DVec4) -> Option<Part> {
     let edges = held_edges(&part.edges, plane);
-    let covered = held_points(&part.covered, plane, STRIP * inputs.bounds.diagonal());
+    let strip_m = STRIP * inputs.bounds.diagonal();
+    let covered = held_points(inputs, &part.region.space, &part.covered, plane, strip_m);
     if covered.is_empty() {
         return None;
     }
@@ -145,14 +154,6 @@ fn half(inputs: &Inputs, part: &Part, plane: DVec4) -> Option<Part> {
     let region = lixel::solve(&own, None).ok()?;
     let planes = part.planes.iter().copied().chain([plane]).collect();
     Some(Part { planes, worth: worth(inputs, &region), edges, covered, region })
-}
-
-fn held_edges(edges: &[EdgePoint], plane: DVec4) -> Vec<EdgePoint> {
-    edges.iter().copied().filter(|e| plane.dot(e.position.extend(1.0)) >= 0.0).collect()
-}
-
-fn held_points(points: &[DVec3], plane: DVec4, strip_m: f64) -> Vec<DVec3> {
-    points.iter().copied().filter(|p| plane.dot(p.extend(1.0)) >= -strip_m).collect()
 }
 
 /// At most `count` evenly spread items; `keep` gets the number of items that each stands for.

@@ -280,15 +280,17 @@ impl Part {
 }
 
 /// Entries of a plan leave keys out, which only a self-describing format can read back.
-pub(super) mod as_json {
-    use crate::plan::LightPlan;
+pub(in crate::plan) mod as_json {
+    use serde::de::DeserializeOwned;
     use serde::{Deserialize, Deserializer, Serialize, Serializer, de, ser};
 
-    pub(in crate::plan) fn serialize<S: Serializer>(entry: &LightPlan, serializer: S) -> Result<S::Ok, S::Error> {
-        serde_json::to_string(entry).map_err(ser::Error::custom)?.serialize(serializer)
+    pub(in crate::plan) fn serialize<T: Serialize, S: Serializer>(value: &T, serializer: S) -> Result<S::Ok, S::Error> {
+        serde_json::to_string(value).map_err(ser::Error::custom)?.serialize(serializer)
     }
 
-    pub(in crate::plan) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<LightPlan, D::Error> {
+    pub(in crate::plan) fn deserialize<'de, T: DeserializeOwned, D: Deserializer<'de>>(
+        deserializer: D,
+    ) -> Result<T, D::Error> {
         serde_json::from_str(&String::deserialize(deserializer)?).map_err(de::Error::custom)
     }
 }

@@ -28,6 +28,7 @@ mod work;
 
 pub use commands::{Merged, certify, merge, sample, solve};
 pub use file::PartError;
+pub(super) use file::as_json;
 pub use run::make_in;
 pub(super) use run::planned;
 

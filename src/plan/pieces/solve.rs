@@ -79,7 +79,7 @@ fn segments(
         Err(reason) => return Ok(Way::Each { reason: Some(reason) }),
     };
     let mut segments = Vec::with_capacity(decided.len());
-    for Decided { held, frame, answer } in decided {
+    for Decided { held, frame, answer, .. } in decided {
         if let Some(state) = frames[frame].lights.iter_mut().find(|l| l.light.name == name) {
             state.answer = answer;
         }

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Flicker, LightBudget, LightTemporal, MapPlan, Reprojected};
+use super::{Choice, Flicker, LightBudget, LightTemporal, MapPlan, Reprojected};
 use crate::fit::Termination;
 use crate::job::Job;
 use crate::scene::{Light, LightKind, LightKindName};
@@ -297,6 +297,9 @@ pub struct SolverReport {
     pub grazing: u64,
     /// Film pixels that lay outside the first fit and joined the cover.
     pub joined: u64,
+    /// How the method was chosen; only of `auto` and `best`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub choice: Option<Choice>,
     /// Why the search stopped.
     pub termination: Termination,
 }

@@ -5,9 +5,11 @@ use super::super::stage::{FrameStage, Stages};
 use super::super::{PlanError, Watch};
 use super::held::Held;
 use super::measure::SegmentFrame;
-use super::{row, window};
+use super::{auto, row, window};
+use crate::job::Job;
 use crate::measure::Receivers;
-use crate::resolution::{AspectRule, Drawing, FilmQuestion, Judge, default_bias, polish, size_on_grid};
+use crate::methods::Method;
+use crate::resolution::{AspectRule, Drawing, FilmQuestion, Judge, MapParams, default_bias, polish, size_on_grid};
 use crate::scene::Light;
 use crate::shot::{Asked, Hold, LightParts, Segmentation, Temporal, carry, interval_samples, segments};
 
@@ -23,6 +25,8 @@ pub(in crate::plan) struct Decided {
     pub(in crate::plan) frame: usize,
     /// Absent when the light is not on in that frame after all.
     pub(in crate::plan) answer: Option<Answer>,
+    /// The error there over what the bound allows.
+    pub(super) error: f64,
 }
 
 /// The segments of one light, in order. The inner error is the reason why it has none.
@@ -32,12 +36,30 @@ pub(in crate::plan) fn decided(
     timings: bool,
     watch: &Watch,
 ) -> Result<Result<Vec<Decided>, String>, PlanError> {
-    let job = stages.job;
-    // One size means one aspect for all segments.
+    match stages.job.solver.method {
+        Method::Auto => auto::by_ladder(stages, light, timings, watch),
+        _ => by_method(stages, light, timings, watch),
+    }
+}
+
+/// The job's maps as segments have them: one size means one aspect for all segments.
+pub(super) fn asked_map(job: &Job) -> MapParams {
     let mut map = job.map.clone();
     if job.shot.one_size {
         map.aspect = AspectRule::Fixed;
     }
+    map
+}
+
+/// The segments by the job's own method.
+pub(super) fn by_method(
+    stages: &Stages,
+    light: &LightParts,
+    timings: bool,
+    watch: &Watch,
+) -> Result<Result<Vec<Decided>, String>, PlanError> {
+    let job = stages.job;
+    let map = asked_map(job);
     let asked = Asked { film: stages.shot.film, quality: &job.quality, map: &map, solver: &job.solver };
     let mut params = job.shot.clone();
     if params.temporal == Temporal::Snapped {
@@ -98,7 +120,7 @@ fn measured_over_predicted(done: &[Decided]) -> f64 {
 }
 
 /// Settles matrix, depth row, bias and size of a segment on the frame that is predicted to need most.
-fn decide(
+pub(super) fn decide(
     stages: &Stages,
     light: &LightParts,
     mut held: Held,
@@ -142,7 +164,8 @@ fn decide(
         held.missed = entered.answer.missed;
         held.decided_by = entered.bias.map(|_| frame);
     }
-    Ok(Ok(Decided { held, frame, answer: entered.map(|e| e.answer) }))
+    let error = entered.as_ref().map_or(0.0, |e| e.error);
+    Ok(Ok(Decided { held, frame, answer: entered.map(|e| e.answer), error }))
 }
 
 /// Better matrices near a segment's, by measurement on the frame that decides it. A light that moves stays with its own.

@@ -1,5 +1,7 @@
 //! A segment on its way from a matrix to a certified size.
 
+use super::super::Choice;
+use super::super::pieces::as_json;
 use super::window::{self, Window};
 use crate::math::RigidMotion;
 use crate::raster::Bias;
@@ -27,6 +29,9 @@ pub(in crate::plan) struct Held {
     pub(in crate::plan) decided_by: Option<usize>,
     /// The bound is missed at the largest size.
     pub(in crate::plan) missed: bool,
+    /// How its method was chosen, where that was asked.
+    #[serde(with = "as_json")]
+    pub(in crate::plan) choice: Option<Choice>,
 }
 
 impl Held {
@@ -43,6 +48,7 @@ impl Held {
             size: 0,
             decided_by: None,
             missed: false,
+            choice: None,
         };
         held.refit(asked);
         held

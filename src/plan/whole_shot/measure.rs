@@ -5,7 +5,7 @@
 use super::super::light_entry::{light_error, map_entries, not_met_reason, seen, solver_report};
 use super::super::pieces::{Answer, FrameLight};
 use super::super::stage::FrameStage;
-use super::super::{LightPlan, PlanError, Status};
+use super::super::{LightPlan, PlanError, SolverReport, Status};
 use super::held::Held;
 use crate::job::Job;
 use crate::measure::{Drawn, Receivers};
@@ -50,6 +50,8 @@ pub(in crate::plan) struct Entered {
     pub(in crate::plan) answer: Answer,
     /// The bias it was measured with.
     pub(in crate::plan) bias: Option<Bias>,
+    /// The error over what the bound allows.
+    pub(in crate::plan) error: f64,
     /// Its maps at the place of the answer.
     pub(in crate::plan) ready: Option<Ready>,
 }
@@ -85,18 +87,19 @@ impl SegmentFrame<'_> {
         certified.predicted = predict(&regions, &held.fitted.shares, texels);
         let frame_fitted = FittedLight { regions, ..held.fitted.clone() };
         certified.predicted_at_quantile = predicted_at_quantile(&question, &frame_fitted, texels);
+        let error = certified.error_over_bound(&question);
         let answers = match film {
             Some(_) => Vec::new(),
             None => stage.grid.answers(stage.tracer, stage.camera, here, stage.offset),
         };
         let seen = seen(stage, &answers, film);
         let maps = at(found.place);
-        entry.maps = map_entries(&maps, certified, job, here, stage, &seen);
+        entry.maps = map_entries((&maps, held.fitted.method), certified, here, stage, &seen);
         entry.status = if certified.met { Status::Planned } else { Status::NotMet };
         if !certified.met {
             entry.reason = Some(not_met_reason(job, certified, stage.film));
         }
-        entry.solver = Some(solver_report(job, &held.fitted));
+        entry.solver = Some(SolverReport { choice: held.choice.clone(), ..solver_report(job, &held.fitted) });
         entry.cost.solver_evaluations = held.fitted.evaluations;
         entry.error = Some(light_error(job, certified, stage, film));
         if self.timings {
@@ -104,7 +107,7 @@ impl SegmentFrame<'_> {
         }
         let content = self.content(held);
         let Found { place, tried, missed, bias, ready, .. } = found;
-        Ok(Entered { answer: Answer { entry, place, tried, missed, content }, bias, ready })
+        Ok(Entered { answer: Answer { entry, place, tried, missed, content }, bias, error, ready })
     }
 
     /// What moves in the segment's maps here.

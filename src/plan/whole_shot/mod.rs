@@ -9,9 +9,12 @@
 //! settle    all frames' sizes → the largest; frames measured at another one are certified again
 //! ```
 //!
+//! With `auto` the shot is solved for one rung of the ladder after the other (`auto`).
+//!
 //! Where measured sizes are far from the predicted ones the shot is cut again with corrected costs, before any frame is
 //! certified. `plan::pieces` runs the stages.
 
+mod auto;
 mod decide;
 mod held;
 mod hysteresis;
@@ -32,6 +35,9 @@ pub(super) fn refused(stages: &Stages) -> Option<String> {
     if stages.images.is_some() {
         return Some("planned from images, which do not show what moves between frames".to_owned());
     }
-    let shared = matches!(stages.job.solver.method, Method::Lixel | Method::SceneOptimal);
-    (!shared).then(|| "the method places its matrix by one camera: no frame shares it with another".to_owned())
+    let shared = matches!(stages.job.solver.method, Method::Lixel | Method::SceneOptimal | Method::Auto);
+    (!shared).then(|| PLACED_BY_ONE_CAMERA.to_owned())
 }
+
+/// Why a method has no matrix for several frames.
+const PLACED_BY_ONE_CAMERA: &str = "the method places its matrix by one camera: no frame shares it with another";
