@@ -196,7 +196,7 @@ fn answers(
     judge: &mut Judge,
     choice: BiasChoice,
 ) -> Result<(Bias, Vec<u32>), RasterError> {
-    let plan = default_bias(&question.map.bias);
+    let plan = default_bias(&question.map.bias, sizes.len());
     let grid: &[Bias] = match choice {
         BiasChoice::Plan => &[],
         BiasChoice::Best => &BIAS_GRID,

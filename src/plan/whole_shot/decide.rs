@@ -186,7 +186,7 @@ fn polished(
     let question = FilmQuestion { map: asked.map, ..stage.question(here, stages.job) };
     if let Ok(mut judge) = Judge::new(stage.tracer, view, &question, &held.fitted, film, stage.offset) {
         let size = |aspect: f64, texels: f64| size_on_grid(asked.map, aspect, texels);
-        let drawing = Drawing { size: &size, bias: default_bias(&asked.map.bias) };
+        let drawing = Drawing { size: &size, bias: default_bias(&asked.map.bias, held.fitted.regions.len()) };
         polish(&question, &samples, &mut held.fitted, &mut judge, &drawing)?;
     }
     held.refit(asked);
