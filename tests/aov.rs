@@ -3,20 +3,16 @@
 
 #![expect(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
 
+mod watching;
+
 use lixel::aov::AovError;
 use lixel::job::{self, LoadedJob};
 use lixel::picture::{Channel, write_exr};
-use lixel::plan::{self, LightPlan, Outcome, Plan, PlanError, RangeEnd, Status, Summary, Verification, Watch};
+use lixel::plan::{self, LightPlan, Outcome, Plan, PlanError, RangeEnd, Status, Summary, Verification};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
-use std::sync::atomic::AtomicBool;
-
-static NEVER: AtomicBool = AtomicBool::new(false);
-
-fn watched<T>(work: impl FnOnce(&Watch) -> T) -> T {
-    work(&Watch { progress: &|_| (), cancel: &NEVER, notes: &|_| () })
-}
+use watching::watched;
 
 fn courtyard_folder() -> &'static Path {
     Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/courtyard"))

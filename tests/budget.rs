@@ -6,36 +6,18 @@ mod boxes;
 #[path = "scene/fixture.rs"]
 #[expect(dead_code, reason = "shared with the scene tests, which use more of it")]
 mod fixture;
+mod watching;
 
-use boxes::cuboid;
-use fixture::Gltf;
+use boxes::Boxes;
 use lixel::job;
-use lixel::plan::{self, Plan, Status, Verification, Watch, budget_curves};
-use serde_json::json;
+use lixel::plan::{self, Plan, Status, Verification, budget_curves};
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
-
-static NEVER: AtomicBool = AtomicBool::new(false);
-
-fn watched<T>(work: impl FnOnce(&Watch) -> T) -> T {
-    work(&Watch { progress: &|_| (), cancel: &NEVER, notes: &|_| () })
-}
+use watching::watched;
 
 /// A floor with posts.
 fn scene(folder: &Path) {
-    let mut gltf = Gltf::new();
-    let mut nodes = vec![];
-    let mut add = |gltf: &mut Gltf, centre, half| {
-        let mesh = cuboid(gltf, centre, half);
-        nodes.push(gltf.push("nodes", json!({ "mesh": mesh })));
-    };
-    add(&mut gltf, [0.0, -0.1, 0.0], [12.0, 0.1, 12.0]);
-    for i in 0..9_u8 {
-        let f = f32::from(i);
-        add(&mut gltf, [(f * 2.4).sin() * 4.0, 0.8, (f * 1.7).cos() * 4.0], [0.25, 0.8, 0.25]);
-    }
-    gltf.json["scenes"][0]["nodes"] = json!(nodes);
-    gltf.write(folder);
+    let around = (0..9_u8).map(f32::from).map(|f| [(f * 2.4).sin() * 4.0, (f * 1.7).cos() * 4.0]);
+    Boxes::posts([12.0, 12.0], 0.5, around).write(folder);
 }
 
 const WALK: &str = "

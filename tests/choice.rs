@@ -6,22 +6,16 @@ mod boxes;
 #[path = "scene/fixture.rs"]
 #[expect(dead_code, reason = "shared with the scene tests, which use more of it")]
 mod fixture;
+mod watching;
 
-use boxes::cuboid;
-use fixture::Gltf;
+use boxes::Boxes;
 use lixel::job;
 use lixel::methods::Method;
-use lixel::plan::{self, Alternative, Choice, Format, LightPlan, MapPlan, Plan, Status, Watch, to_text};
+use lixel::plan::{self, Alternative, Choice, Format, LightPlan, MapPlan, Plan, Status, to_text};
 use serde_json::json;
 use std::path::Path;
 use std::process::{Command, Output};
-use std::sync::atomic::AtomicBool;
-
-static NEVER: AtomicBool = AtomicBool::new(false);
-
-fn watched<T>(work: impl FnOnce(&Watch) -> T) -> T {
-    work(&Watch { progress: &|_| (), cancel: &NEVER, notes: &|_| () })
-}
+use watching::watched;
 
 /// A long floor with posts near the camera and far from it.
 const WALK: &str = "
@@ -55,19 +49,8 @@ position = [8.4, 2.0, 2.6]
 
 fn folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
-    let mut gltf = Gltf::new();
-    let mut nodes = vec![];
-    let mut add = |gltf: &mut Gltf, centre, half| {
-        let mesh = cuboid(gltf, centre, half);
-        nodes.push(gltf.push("nodes", json!({ "mesh": mesh })));
-    };
-    add(&mut gltf, [0.0, -0.1, 0.0], [30.0, 0.1, 12.0]);
-    for i in 0..9_u8 {
-        let f = f32::from(i);
-        add(&mut gltf, [7.0 - f * 3.5, 0.8, (f * 1.7).cos() * 2.5], [0.15, 0.8, 0.15]);
-    }
-    gltf.json["scenes"][0]["nodes"] = json!(nodes);
-    gltf.write(folder.path());
+    let along = (0..9_u8).map(f32::from).map(|f| [7.0 - f * 3.5, (f * 1.7).cos() * 2.5]);
+    Boxes::posts([30.0, 12.0], 0.3, along).write(folder.path());
     std::fs::write(folder.path().join("job.toml"), WALK).unwrap();
     folder
 }

@@ -2,18 +2,14 @@
 
 #![expect(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
 
+mod watching;
+
 use lixel::job::{self, LoadedJob};
-use lixel::plan::{self, Format, Merged, PlanError, Watch, to_text};
+use lixel::plan::{self, Format, Merged, PlanError, to_text};
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
-
-static NEVER: AtomicBool = AtomicBool::new(false);
-
-fn watched<T>(work: impl FnOnce(&Watch) -> T) -> T {
-    work(&Watch { progress: &|_| (), cancel: &NEVER, notes: &|_| () })
-}
+use watching::watched;
 
 /// A few frames of the courtyard, small.
 const COURTYARD: &str = "

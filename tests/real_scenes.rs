@@ -7,17 +7,19 @@
 
 #![expect(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
 
+mod watching;
+
 use lixel::job::{self, LoadedJob};
 use lixel::math::{Domain, matrix_from_rows};
 use lixel::measure::{Drawn, Outside, Receivers, wrong};
-use lixel::plan::{self, Format, LightPlan, Outcome, PlanError, Watch};
+use lixel::plan::{self, Format, LightPlan, Outcome, PlanError};
 use lixel::raster::{Bias, draw};
 use lixel::resolution::Measure;
 use lixel::scene::{Geometry, SceneError, Shot, ShotParams};
 use lixel::visibility::{Bvh, RayOffset, Tracer, see};
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::AtomicBool;
+use watching::watched;
 
 /// Small, so that a folder of scenes takes minutes.
 const SETTINGS: &str = "[image]\nsize = [480, 270]\n[quality]\nepsilon = 0.001\n[map]\nmax = 4096\n";
@@ -37,11 +39,6 @@ fn scene_files(folder: &Path) -> Vec<PathBuf> {
         _ => Vec::new(),
     };
     entries.into_iter().flat_map(open).collect()
-}
-
-fn watched<T>(work: impl FnOnce(&Watch) -> T) -> T {
-    let never = AtomicBool::new(false);
-    work(&Watch { progress: &|_| (), cancel: &never, notes: &|_| () })
 }
 
 fn load(file: &Path, more: &str) -> LoadedJob {

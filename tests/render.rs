@@ -2,11 +2,13 @@
 
 #![expect(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
 
+mod watching;
+
 use lixel::job::{self, LoadedJob};
-use lixel::plan::{self, PlanError, Watch};
+use lixel::plan::{self, PlanError};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::AtomicBool;
+use watching::watched;
 
 const WIDTH: usize = 160;
 const HEIGHT: usize = 90;
@@ -16,11 +18,6 @@ fn courtyard() -> LoadedJob {
     let over =
         format!("[image]\nsize = [{WIDTH}, {HEIGHT}]\n[map]\nmax = 512\nstep = 1.5\n[quality]\nepsilon = 0.05\n");
     job::load(file, &over.parse().unwrap()).unwrap()
-}
-
-fn watched<T>(work: impl FnOnce(&Watch) -> T) -> T {
-    let never = AtomicBool::new(false);
-    work(&Watch { progress: &|_| (), cancel: &never, notes: &|_| () })
 }
 
 fn png_size(path: &Path) -> (u32, u32) {

@@ -2,12 +2,12 @@
 
 #![expect(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
 
-use lixel::job;
-use lixel::plan::{self, LightPlan, Plan, PlanError, Verification, Watch};
-use std::path::Path;
-use std::sync::atomic::AtomicBool;
+mod watching;
 
-static NEVER: AtomicBool = AtomicBool::new(false);
+use lixel::job;
+use lixel::plan::{self, LightPlan, Plan, PlanError, Verification};
+use std::path::Path;
+use watching::watched;
 
 /// One light of the courtyard, 160 x 90, frame by frame, at most 3 % wrong.
 fn planned(folder: &Path, overrides: &str) -> Result<Plan, PlanError> {
@@ -18,11 +18,11 @@ fn planned(folder: &Path, overrides: &str) -> Result<Plan, PlanError> {
     );
     std::fs::write(folder.join("job.toml"), text).unwrap();
     let job = job::load(&folder.join("job.toml"), &overrides.parse().unwrap()).unwrap();
-    plan::make(&job, folder, false, &Watch { progress: &|_| (), cancel: &NEVER, notes: &|_| () })
+    watched(|watch| plan::make(&job, folder, false, watch))
 }
 
 fn verify(plan: &Plan, folder: &Path) -> Verification {
-    plan::verify(plan, folder, &Watch { progress: &|_| (), cancel: &NEVER, notes: &|_| () }).unwrap()
+    watched(|watch| plan::verify(plan, folder, watch)).unwrap()
 }
 
 fn entries(plan: &Plan) -> Vec<LightPlan> {

@@ -6,46 +6,30 @@ mod boxes;
 #[path = "scene/fixture.rs"]
 #[expect(dead_code, reason = "shared with the scene tests, which use more of it")]
 mod fixture;
+mod watching;
 
-use boxes::cuboid;
+use boxes::Boxes;
 use fixture::Gltf;
 use glam::{DMat4, DVec3};
 use lixel::compare::{compare_temporal, temporal_json};
 use lixel::job;
 use lixel::math::matrix_from_rows;
-use lixel::plan::{self, LightPlan, Outcome, Plan, Summary, Verification, Watch};
+use lixel::plan::{self, LightPlan, Outcome, Plan, Summary, Verification};
 use lixel::shot::Temporal;
 use serde_json::json;
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
-
-static NEVER: AtomicBool = AtomicBool::new(false);
-
-fn watched<T>(work: impl FnOnce(&Watch) -> T) -> T {
-    work(&Watch { progress: &|_| (), cancel: &NEVER, notes: &|_| () })
-}
+use watching::watched;
 
 /// A floor with posts, and a box that moves over it or far from it.
 fn scene(folder: &Path, mover: Option<[f32; 3]>) {
-    let mut gltf = Gltf::new();
-    let mut nodes = vec![];
-    let mut add = |gltf: &mut Gltf, centre, half| {
-        let mesh = cuboid(gltf, centre, half);
-        nodes.push(gltf.push("nodes", json!({ "mesh": mesh })));
-        nodes.len() - 1
-    };
-    add(&mut gltf, [0.0, -0.1, 0.0], [12.0, 0.1, 12.0]);
-    for i in 0..7_u8 {
-        let f = f32::from(i);
-        add(&mut gltf, [(f * 2.4).sin() * 4.0, 0.8, (f * 1.7).cos() * 4.0], [0.25, 0.8, 0.25]);
-    }
+    let around = (0..7_u8).map(f32::from).map(|f| [(f * 2.4).sin() * 4.0, (f * 1.7).cos() * 4.0]);
+    let mut boxes = Boxes::posts([12.0, 12.0], 0.5, around);
     if let Some(to) = mover {
-        let node = add(&mut gltf, [0.0, 0.5, 0.0], [0.4, 0.5, 0.4]);
+        let node = boxes.add([0.0, 0.5, 0.0], [0.4, 0.5, 0.4]);
         let away: Vec<f32> = [[to[0], to[1], to[2]], [to[0] + 0.9, to[1], to[2] + 0.4]].concat();
-        gltf.animate(node, "translation", "LINEAR", &[0.0, 0.25], &away);
+        boxes.gltf.animate(node, "translation", "LINEAR", &[0.0, 0.25], &away);
     }
-    gltf.json["scenes"][0]["nodes"] = json!(nodes);
-    gltf.write(folder);
+    boxes.write(folder);
 }
 
 const WALK: &str = "

@@ -2,21 +2,17 @@
 
 #![expect(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
 
+mod watching;
+
 use lixel::job;
-use lixel::plan::{self, Format, Outcome, Plan, Status, Summary, Verification, Watch};
+use lixel::plan::{self, Format, Outcome, Plan, Status, Summary, Verification};
 use std::path::Path;
 use std::sync::LazyLock;
-use std::sync::atomic::AtomicBool;
-
-static NEVER: AtomicBool = AtomicBool::new(false);
+use watching::watched;
 
 /// The folder that plans are relative to: that of the scene.
 fn folder() -> &'static Path {
     Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/courtyard"))
-}
-
-fn watched<T>(work: impl FnOnce(&Watch) -> T) -> T {
-    work(&Watch { progress: &|_| (), cancel: &NEVER, notes: &|_| () })
 }
 
 /// Frames apart: what holds a shot together has tests of its own.

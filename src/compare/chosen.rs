@@ -5,7 +5,7 @@ use super::{CompareParams, PerLight, Question, Variant};
 use crate::job::Job;
 use crate::methods::{Method, SolverParams};
 use crate::plan::PlanError;
-use crate::resolution::{OnFilm, SINGLE_MAP, auto};
+use crate::resolution::{SINGLE_MAP, auto};
 use std::time::Instant;
 
 /// The rung that `auto` takes for the job's bound, whatever is held equal here, as a row.
@@ -16,8 +16,7 @@ pub(super) fn by_ladder(
     params: &CompareParams,
 ) -> Result<(PerLight, Mask), PlanError> {
     let start = Instant::now();
-    let on = OnFilm { tracer: case.tracer, view: case.view, receivers: case.receivers, offset: case.offset };
-    let (ladder, _) = auto(&case.question(&variant.solver, job), case.samples, &on)?;
+    let (ladder, _) = auto(&case.question(&variant.solver, job), case.samples, &case.on_film())?;
     // Without a rung that has maps, the row of one map says why.
     let rung = ladder.chosen.map(|k| ladder.tried[k].rung);
     let solver = rung.map_or_else(

@@ -2,28 +2,23 @@
 
 use super::{BIAS_GRID, BiasChoice, CompareParams, Measured, PerLight, Question, TexelsFor, Variant, budget, chosen};
 use crate::job::Job;
-use crate::math::Bounds;
 use crate::measure::Receivers;
 use crate::methods::{Inapplicable, Method, SolverParams};
-use crate::plan::PlanError;
+use crate::plan::{FrameStage, PlanError};
 use crate::raster::{Bias, RasterError};
 use crate::resolution::{
-    Drawing, FilmQuestion, FittedLight, Judge, choose, default_bias, fit_light, fit_texels, polish, polishes, predict,
-    texels,
+    Drawing, FilmQuestion, FittedLight, Judge, OnFilm, choose, default_bias, fit_light, fit_texels, polish, polishes,
+    predict, texels,
 };
 use crate::samples::LightSamples;
-use crate::scene::{Camera, Film, Light};
-use crate::visibility::{RayOffset, Tracer, View};
+use crate::scene::Light;
+use crate::visibility::View;
 use std::time::Instant;
 
 /// What all methods are given for one light of a frame.
 pub(super) struct Case<'a> {
-    pub(super) tracer: &'a Tracer<'a>,
-    pub(super) camera: &'a Camera,
-    pub(super) film: Film,
+    pub(super) stage: &'a FrameStage<'a>,
     pub(super) view: &'a View,
-    pub(super) bounds: Bounds,
-    pub(super) offset: RayOffset,
     pub(super) frame: i64,
     pub(super) light: &'a Light,
     pub(super) samples: &'a LightSamples,
@@ -42,16 +37,13 @@ pub(super) struct Mask {
 impl Case<'_> {
     /// What is asked under some settings.
     pub(super) fn question<'b>(&'b self, solver: &'b SolverParams, job: &'b Job) -> FilmQuestion<'b> {
-        FilmQuestion {
-            camera: self.camera,
-            film: self.film,
-            light: self.light,
-            bounds: self.bounds,
-            quality: &job.quality,
-            map: &job.map,
-            solver,
-            sample_cap: job.sampling.cap as usize,
-        }
+        FilmQuestion { solver, ..self.stage.question(self.light, job) }
+    }
+
+    /// What maps are measured on.
+    pub(super) fn on_film(&self) -> OnFilm<'_> {
+        let FrameStage { tracer, offset, .. } = *self.stage;
+        OnFilm { tracer, view: self.view, receivers: self.receivers, offset }
     }
 }
 
@@ -95,7 +87,7 @@ pub(super) fn alone(
     row.solve_seconds = start.elapsed().as_secs_f64();
     let mut mask = Mask::default();
     match fitted {
-        Ok(mut fitted) => match Judge::new(case.tracer, case.view, &question, &fitted, case.receivers, case.offset) {
+        Ok(mut fitted) => match Judge::new(case.on_film(), &question, &fitted) {
             Ok(mut judge) => {
                 let (measured, found) = measure(&question, case.samples, &mut fitted, &mut judge, params)?;
                 (row.measured, mask) = (Some(measured), found);

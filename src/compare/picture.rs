@@ -62,7 +62,7 @@ impl Image {
 
 /// The strip as PNG.
 pub(super) fn strip(case: &Case, columns: &[Column]) -> io::Result<Vec<u8>> {
-    let (film_width, film_height) = (case.film.width as usize, case.film.height as usize);
+    let (film_width, film_height) = (case.stage.film.width as usize, case.stage.film.height as usize);
     let head = glyphs::SIZE[1] * LETTER_SCALE + 2 * GAP;
     let width = columns.len() * (film_width + GAP) - GAP.min(columns.len() * GAP);
     let height = head + film_height;
@@ -87,10 +87,10 @@ pub(super) fn strip(case: &Case, columns: &[Column]) -> io::Result<Vec<u8>> {
 
 /// The film in grey: by the cosine to the light where it is lit, darker in shadow, darkest where it faces away.
 fn shaded(case: &Case) -> Vec<Rgb> {
-    let mut film: Vec<Rgb> = (0..case.film.pixels())
+    let mut film: Vec<Rgb> = (0..case.stage.film.pixels())
         .into_par_iter()
         .with_min_len(4096)
-        .map(|pixel| match case.view.surface(case.tracer, case.camera, pixel) {
+        .map(|pixel| match case.view.surface(case.stage.tracer, case.stage.camera, pixel) {
             Some(surface) => {
                 let cosine = surface.normal.dot(case.light.towards(surface.position).normalize_or_zero());
                 // Half the slope remains in shadow, so that shapes are seen there too.

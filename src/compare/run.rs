@@ -5,102 +5,75 @@ use super::files::write_file;
 use super::picture::{self, Column};
 use super::{CaseLight, CompareParams, Comparison, MethodRows, PerLight, Question, budget, workers};
 use crate::job::{Job, LoadedJob};
-use crate::math::Bounds;
-use crate::measure::{Outside, Receivers};
-use crate::plan::{PlanError, Stage, Watch, load_shot};
-use crate::samples::{Grid, GridView, LightView, sample_light};
-use crate::scene::{Camera, Film, Light};
-use crate::visibility::{Bvh, RayOffset, Tracer, View, classify, see};
-use std::borrow::Cow;
+use crate::plan::{FrameStage, PlanError, Stage, Stages, Watch, in_scene_space, load_shot};
+use crate::resolution::Measure;
+use crate::scene::{Film, Light};
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
-
-/// What a frame gives to its lights.
-struct FrameStage<'a> {
-    tracer: &'a Tracer<'a>,
-    camera: &'a Camera,
-    film: Film,
-    grid: &'a GridView<'a>,
-    view: &'a View,
-    bounds: Bounds,
-    offset: RayOffset,
-    frame: i64,
-}
 
 /// Compares methods on the frames and lights of a job.
 ///
 /// # Errors
 /// [`PlanError::Cancelled`] soon after the watch asks to stop; else what stands in the way.
 pub fn compare(loaded: &LoadedJob, params: &CompareParams, watch: &Watch) -> Result<Comparison, PlanError> {
-    let job = &loaded.job;
     watch.step(Stage::Load, 0, 1)?;
     let shot = load_shot(loaded)?;
     for note in &shot.scene.notes {
         watch.note(note);
     }
-    let still = Bvh::still(&shot.scene);
+    let mut job = in_scene_space(&loaded.job, &shot);
+    // What is compared is measured, also where a plan would not be.
+    job.quality.measure = Measure::Always;
+    let mut params = params.clone();
+    for variant in &mut params.methods {
+        variant.solver = variant.solver.in_scene_space(shot.scene.origin);
+    }
+    let stages = Stages::new(&shot, &job, None);
     watch.step(Stage::Load, 1, 1)?;
 
     let done = AtomicU64::new(0);
     let mut cases: Vec<(CaseLight, Vec<PerLight>)> = Vec::new();
-    for time in &shot.frames {
-        let frame = shot.scene.frame(time.time_s)?;
-        let geometry = shot.scene.geometry(&frame);
-        let moving = Bvh::moving(&shot.scene, &frame);
-        let tracer = Tracer::new(geometry, &still, moving.as_ref());
-        let view = see(&tracer, &frame.camera, shot.film);
-        let stage = FrameStage {
-            tracer: &tracer,
-            camera: &frame.camera,
-            film: shot.film,
-            grid: &GridView::see(&tracer, &frame.camera, Grid::new(shot.film, job.sampling.grid), Some(&view)),
-            view: &view,
-            bounds: tracer.bounds().map_or(Bounds::EMPTY, |[min, max]| Bounds { min, max }),
-            offset: RayOffset::for_scene(&tracer),
-            frame: time.frame,
-        };
-        let total = (shot.frames.len() * frame.lights.len()) as u64;
-        watch.step(Stage::Lights, done.load(Ordering::Relaxed), total)?;
-        cases.extend(workers::each(frame.lights.len(), |i| {
-            watch.check()?;
-            let case = light(&stage, i, &frame.lights[i], job, params, watch)?;
-            watch.step(Stage::Lights, done.fetch_add(1, Ordering::Relaxed) + 1, total)?;
-            Ok::<_, PlanError>(case)
+    for place in 0..stages.len() {
+        cases.extend(stages.with(place, |stage, frame| {
+            let total = (stages.len() * frame.lights.len()) as u64;
+            watch.step(Stage::Lights, done.load(Ordering::Relaxed), total)?;
+            workers::each(frame.lights.len(), |i| {
+                watch.check()?;
+                let case = light((stage, stages.time(place).frame), (i, &frame.lights[i]), &job, &params, watch)?;
+                watch.step(Stage::Lights, done.fetch_add(1, Ordering::Relaxed) + 1, total)?;
+                Ok::<_, PlanError>(case)
+            })
         })?);
     }
-    Ok(gather(cases, params, shot.film, job))
+    Ok(gather(cases, &params, shot.film, &job))
 }
 
-/// All methods on one light.
+/// All methods on one light of a frame, given with its number.
 fn light(
-    stage: &FrameStage,
-    number: usize,
-    light: &Light,
+    (stage, frame): (&FrameStage, i64),
+    (number, light): (usize, &Light),
     job: &Job,
     params: &CompareParams,
     watch: &Watch,
 ) -> Result<(CaseLight, Vec<PerLight>), PlanError> {
     let start = Instant::now();
-    let outside_lit = job.map.outside == Outside::Lit;
-    let classified = classify(stage.tracer, stage.view, stage.camera, light, stage.offset);
-    let receivers = Receivers::new(stage.view, stage.camera, &classified);
-    let wanted = receivers.positions_where(outside_lit);
+    let lit = stage.look(light, job);
+    let receivers = lit.film.unwrap_or_default();
     let mut case = CaseLight {
-        frame: stage.frame,
+        frame,
         light: light.name.clone(),
         skipped: None,
         facing: receivers.len() as u64,
         shadowed: receivers.shadowed_count(),
-        samples: 0,
-        seconds: 0.0,
+        samples: lit.samples.edges.len() as u64,
+        seconds: start.elapsed().as_secs_f64(),
     };
-    if wanted.is_empty() {
+    let (Some(view), true) = (stage.view, receivers.needing(job.map.outside) > 0) else {
         let reason = if receivers.is_empty() { "no pixel faces the light" } else { "no visible shadow" };
         case.skipped = Some(reason.to_owned());
-        case.seconds = start.elapsed().as_secs_f64();
         let row = |_| PerLight {
-            frame: stage.frame,
+            frame,
             light: light.name.clone(),
             chosen: None,
             reason: case.skipped.clone(),
@@ -110,26 +83,8 @@ fn light(
         };
         let rows = params.methods.iter().map(row).collect();
         return Ok((case, rows));
-    }
-    let (tracer, camera, view, offset) = (stage.tracer, stage.camera, stage.grid, stage.offset);
-    let answers =
-        if view.grid.is_film() { Cow::from(&classified) } else { view.answers(tracer, camera, light, offset).into() };
-    let lit = LightView { tracer, camera, view, light, offset, answers: &answers };
-    let samples = sample_light(&lit, job.sampling.refine, !outside_lit);
-    case.samples = samples.edges.len() as u64;
-    case.seconds = start.elapsed().as_secs_f64();
-    let given = Case {
-        tracer: stage.tracer,
-        camera: stage.camera,
-        film: stage.film,
-        view: stage.view,
-        bounds: stage.bounds,
-        offset: stage.offset,
-        frame: stage.frame,
-        light,
-        samples: &samples,
-        receivers: &receivers,
     };
+    let given = Case { stage, view, frame, light, samples: &lit.samples, receivers: &receivers };
     let mut rows = Vec::with_capacity(params.methods.len());
     let mut masks: Vec<Mask> = Vec::new();
     for variant in &params.methods {

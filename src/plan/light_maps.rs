@@ -59,8 +59,7 @@ impl Wanted<'_> {
 
     /// What maps are measured on; `None` where nothing is.
     fn on_film(&self) -> Option<OnFilm<'_>> {
-        let FrameStage { tracer, view, offset, .. } = *self.stage;
-        Some(OnFilm { tracer, view: view?, receivers: self.lit.film.as_ref()?, offset })
+        self.stage.on_film(self.lit.film.as_ref()?)
     }
 
     /// Maps of given regions, certified.
@@ -72,7 +71,7 @@ impl Wanted<'_> {
     ) -> Result<Result<Planned, String>, PlanError> {
         let fitted = FittedLight { regions: in_frame(&given.regions, &self.lit.samples.edges), ..given.clone() };
         let Some(on) = on else { return Ok(self.drawn_by_none(question, fitted)) };
-        let mut judge = match Judge::new(on.tracer, on.view, question, &fitted, on.receivers, on.offset) {
+        let mut judge = match Judge::new(*on, question, &fitted) {
             Ok(judge) => judge,
             Err(reason) => return Ok(Err(reason.to_string())),
         };

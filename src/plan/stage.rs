@@ -7,7 +7,7 @@ use crate::job::Job;
 use crate::math::Bounds;
 use crate::measure::{Outside, Receivers};
 use crate::methods::Region;
-use crate::resolution::{FilmQuestion, JudgedMap};
+use crate::resolution::{FilmQuestion, JudgedMap, OnFilm};
 use crate::samples::{Grid, GridView, LightSamples, LightView, sample_light};
 use crate::scene::{Camera, Film, FrameTime, Light, SceneFrame, Shot};
 use crate::shot::Temporal;
@@ -19,7 +19,7 @@ use std::sync::Arc;
 pub(crate) struct FrameStage<'a> {
     pub(crate) tracer: &'a Tracer<'a>,
     pub(crate) camera: &'a Camera,
-    pub(super) film: Film,
+    pub(crate) film: Film,
     pub(super) grid: &'a GridView<'a>,
     /// Absent when nothing is measured.
     pub(crate) view: Option<&'a View>,
@@ -32,13 +32,13 @@ pub(crate) struct FrameStage<'a> {
 }
 
 /// What rays say of one light of a frame.
-pub(super) struct Lit {
+pub(crate) struct Lit {
     /// What the light does at each position of the planning grid.
     pub(super) answers: Vec<Answer>,
     /// The film's pixels that face the light; absent when nothing is measured.
-    pub(super) film: Option<Receivers>,
+    pub(crate) film: Option<Receivers>,
     /// Shadow edges and covered points.
-    pub(super) samples: LightSamples,
+    pub(crate) samples: LightSamples,
     /// Rays spent.
     pub(super) rays: u64,
 }
@@ -58,8 +58,13 @@ impl FrameStage<'_> {
         }
     }
 
+    /// What a light's maps are measured on; `None` when nothing is measured.
+    pub(crate) fn on_film<'b>(&'b self, receivers: &'b Receivers) -> Option<OnFilm<'b>> {
+        Some(OnFilm { tracer: self.tracer, view: self.view?, receivers, offset: self.offset })
+    }
+
     /// Asks film and planning grid for one light; a film that is the grid is asked once.
-    pub(super) fn look(&self, light: &Light, job: &Job) -> Lit {
+    pub(crate) fn look(&self, light: &Light, job: &Job) -> Lit {
         if let Some(images) = self.images {
             return images::look(images, light, job);
         }

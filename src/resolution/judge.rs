@@ -14,6 +14,19 @@ use glam::{DMat4, DVec3, DVec4};
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 
+/// What maps are measured on: a frame's film, and the exact answers of one light there.
+#[derive(Clone, Copy)]
+pub struct OnFilm<'a> {
+    /// Rays through the frame.
+    pub tracer: &'a Tracer<'a>,
+    /// What each pixel sees.
+    pub view: &'a View,
+    /// The exact answers of the light.
+    pub receivers: &'a Receivers,
+    /// Of shadow rays.
+    pub offset: RayOffset,
+}
+
 /// Everything needed to judge one light's maps at any size.
 pub struct Judge<'a> {
     tracer: &'a Tracer<'a>,
@@ -130,27 +143,17 @@ fn clip_from_scene(region: &Region, depth_row: DVec4) -> DMat4 {
 
 impl<'a> Judge<'a> {
     /// For fitted regions; finds their depth rows.
-    pub fn new(
-        tracer: &'a Tracer<'a>,
-        view: &'a View,
-        question: &'a FilmQuestion<'a>,
-        fitted: &FittedLight,
-        receivers: &'a Receivers,
-        offset: RayOffset,
-    ) -> Result<Judge<'a>, DepthError> {
-        let maps = JudgedMap::of_all(&fitted.regions, tracer, &receivers.positions)?;
-        Ok(Judge::of_maps(tracer, view, question, maps, receivers, offset))
+    ///
+    /// # Errors
+    /// [`DepthError`], as [`JudgedMap::of_all`].
+    pub fn new(on: OnFilm<'a>, question: &'a FilmQuestion<'a>, fitted: &FittedLight) -> Result<Judge<'a>, DepthError> {
+        let maps = JudgedMap::of_all(&fitted.regions, on.tracer, &on.receivers.positions)?;
+        Ok(Judge::of_maps(on, question, maps))
     }
 
     /// For maps whose depth rows are settled.
-    pub fn of_maps(
-        tracer: &'a Tracer<'a>,
-        view: &'a View,
-        question: &'a FilmQuestion<'a>,
-        maps: Vec<JudgedMap>,
-        receivers: &'a Receivers,
-        offset: RayOffset,
-    ) -> Judge<'a> {
+    pub fn of_maps(on: OnFilm<'a>, question: &'a FilmQuestion<'a>, maps: Vec<JudgedMap>) -> Judge<'a> {
+        let OnFilm { tracer, view, receivers, offset } = on;
         let certainty = Certainty::new(tracer, view, question.camera, question.light, receivers, offset);
         Judge {
             tracer,

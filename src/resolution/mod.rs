@@ -15,13 +15,13 @@ mod sizes;
 pub use bias::{default_bias, measured_bias};
 pub use certify::{Certified, Trial, certify, choose, grid_of, predict_only, predicted_at_quantile, refined, trial};
 pub use choice::{
-    Contest, Entrant, Ladder, Need, OnFilm, Planned, Rung, SINGLE_MAP, Standing, Stop, TriedRung, auto, best, climb,
-    improved, planned, rungs,
+    Contest, Entrant, Ladder, Need, Planned, Rung, SINGLE_MAP, Standing, Stop, TriedRung, auto, best, climb, improved,
+    planned, rungs,
 };
 pub use fitted::{
     FilmQuestion, FittedLight, bound_limit, fit_light, fit_texels, predict, predicted_bound, predicted_texels,
 };
-pub use judge::{Judge, JudgedMap, other_biases};
+pub use judge::{Judge, JudgedMap, OnFilm, other_biases};
 pub use params::{AspectRule, BiasParams, Bound, MapParams, Measure, QualityParams, SIZE_MAX, SingleSided, TEXELS_MAX};
 pub use polish::{Drawing, polish, polishes, size_on_grid};
 pub use search::{Probe, grown, smallest};

@@ -5,7 +5,9 @@ use crate::job::Job;
 use crate::measure::Receivers;
 use crate::plan::{FrameStage, LightPlan, PlanError, Settled};
 use crate::raster::{Bias, RasterError};
-use crate::resolution::{BiasParams, Bound, FilmQuestion, Judge, MapParams, Measure, grid_of, smallest, texels, trial};
+use crate::resolution::{
+    BiasParams, Bound, FilmQuestion, Judge, MapParams, Measure, OnFilm, grid_of, smallest, texels, trial,
+};
 use crate::scene::Light;
 use crate::visibility::View;
 
@@ -100,6 +102,11 @@ impl Truth<'_> {
         })
     }
 
+    fn on_film(&self) -> OnFilm<'_> {
+        let FrameStage { tracer, offset, .. } = *self.stage;
+        OnFilm { tracer, view: self.view, receivers: &self.receivers, offset }
+    }
+
     /// Hands over the maps of a plan, to be drawn at any size with the plan's bias.
     fn with_judge<R>(
         &self,
@@ -111,16 +118,14 @@ impl Truth<'_> {
         let map = MapParams { step: JUDGED_STEP, bias: fixed, ..self.job.map.clone() };
         let question = FilmQuestion { map: &map, ..self.stage.question(self.light, self.job) };
         let maps = settled.maps.clone();
-        let FrameStage { tracer, offset, .. } = *self.stage;
-        let mut judge = Judge::of_maps(tracer, self.view, &question, maps, &self.receivers, offset);
+        let mut judge = Judge::of_maps(self.on_film(), &question, maps);
         Ok(work(&question, &mut judge, bias)?)
     }
 
     /// Whether the bound holds with no map, every pixel getting the answer of `map.outside`; and the certainly wrong ones.
     fn unanswered(&self) -> (bool, u64) {
         let question = self.stage.question(self.light, self.job);
-        let FrameStage { tracer, offset, .. } = *self.stage;
-        let judge = Judge::of_maps(tracer, self.view, &question, Vec::new(), &self.receivers, offset);
+        let judge = Judge::of_maps(self.on_film(), &question, Vec::new());
         let wrong = judge.wrong(&[]);
         let certain = judge.verdict(&wrong).certain.wrong();
         let meets = match question.quality.bound {

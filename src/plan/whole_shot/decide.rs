@@ -176,7 +176,7 @@ fn polished(
     film: &Receivers,
     (asked, stages): (&Asked, &Stages),
 ) -> Result<(), PlanError> {
-    let Some(view) = stage.view else { return Ok(()) };
+    let Some(on) = stage.on_film(film) else { return Ok(()) };
     if stages.job.solver.measured_rounds == 0 {
         return Ok(());
     }
@@ -184,7 +184,7 @@ fn polished(
     let mut samples = interval_samples(&parts);
     samples.covered.clone_from(&held.fitted.covered);
     let question = FilmQuestion { map: asked.map, ..stage.question(here, stages.job) };
-    if let Ok(mut judge) = Judge::new(stage.tracer, view, &question, &held.fitted, film, stage.offset) {
+    if let Ok(mut judge) = Judge::new(on, &question, &held.fitted) {
         let size = |aspect: f64, texels: f64| size_on_grid(asked.map, aspect, texels);
         let drawing = Drawing { size: &size, bias: default_bias(&asked.map.bias, held.fitted.regions.len()) };
         polish(&question, &samples, &mut held.fitted, &mut judge, &drawing)?;

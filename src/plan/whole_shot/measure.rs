@@ -71,16 +71,16 @@ impl SegmentFrame<'_> {
         let regions = in_frame(&in_light, &part.edges);
         let question = stage.question(here, job);
         let before = self.state.answer.as_ref().map(|a| a.tried.clone()).unwrap_or_default();
-        let mut found = match (stage.view, film) {
-            (Some(view), Some(film)) => {
-                let mut judge = Judge::of_maps(stage.tracer, view, &question, at(held.size), film, stage.offset);
+        let mut found = match film.and_then(|film| stage.on_film(film)) {
+            Some(on) => {
+                let mut judge = Judge::of_maps(on, &question, at(held.size));
                 let mut trials = Trials { question: &question, held, maps_at: &at, ready, tried: before, last: None };
                 let found = trials.measured(&mut judge)?;
                 entry.cost.texels_drawn = judge.texels_drawn;
                 entry.cost.triangles_drawn = judge.triangles_drawn;
                 found
             }
-            _ => predicted(&question, held, &regions),
+            None => predicted(&question, held, &regions),
         };
         let texels = held.grid.texels(found.place);
         let certified = &mut found.certified;

@@ -1,8 +1,8 @@
 //! `auto` on a film: the ladder by the texels that measuring finds each rung to need.
 
-use super::super::{Certified, FilmQuestion, FittedLight, texels};
+use super::super::{Certified, FilmQuestion, FittedLight, OnFilm, texels};
 use super::ladder::{Ladder, Need, Rung, climb, rungs};
-use super::one::{OnFilm, Planned, improved, planned};
+use super::one::{Planned, improved, planned};
 use crate::raster::RasterError;
 use crate::samples::LightSamples;
 use std::cell::Cell;

@@ -6,8 +6,8 @@
 //! winner is then certified, and gives way to `lixel` if the bound asks for more texels of it after all: errors do not fall
 //! with texels at the same pace everywhere.
 
-use super::super::{FilmQuestion, Judge, fit_texels, grid_of, measured_bias, texels, trial};
-use super::one::{OnFilm, Planned, planned};
+use super::super::{FilmQuestion, Judge, OnFilm, fit_texels, grid_of, measured_bias, texels, trial};
+use super::one::{Planned, planned};
 use crate::methods::{Method, SolverParams};
 use crate::raster::RasterError;
 use crate::samples::LightSamples;
@@ -125,7 +125,7 @@ fn at_texels(
         Ok(fitted) => fitted,
         Err(reason) => return Ok(Err(reason.to_string())),
     };
-    let mut judge = match Judge::new(on.tracer, on.view, question, &fitted, on.receivers, on.offset) {
+    let mut judge = match Judge::new(*on, question, &fitted) {
         Ok(judge) => judge,
         Err(reason) => return Ok(Err(reason.to_string())),
     };

@@ -10,4 +10,4 @@ mod one;
 pub use auto::auto;
 pub use best::{Contest, Entrant, SINGLE_MAP, Standing, best};
 pub use ladder::{Ladder, Need, Rung, Stop, TriedRung, climb, rungs};
-pub use one::{OnFilm, Planned, improved, planned};
+pub use one::{Planned, improved, planned};

@@ -1,23 +1,10 @@
 //! The maps of a light by one method, measured on a film.
 
-use super::super::{Certified, FilmQuestion, FittedLight, Judge, JudgedMap, certify, choose, fit_light, refined};
-use crate::measure::Receivers;
+use super::super::{
+    Certified, FilmQuestion, FittedLight, Judge, JudgedMap, OnFilm, certify, choose, fit_light, refined,
+};
 use crate::raster::RasterError;
 use crate::samples::LightSamples;
-use crate::visibility::{RayOffset, Tracer, View};
-
-/// What maps are measured on.
-#[derive(Clone, Copy)]
-pub struct OnFilm<'a> {
-    /// Rays through the frame.
-    pub tracer: &'a Tracer<'a>,
-    /// What each pixel sees.
-    pub view: &'a View,
-    /// The exact answers of the light.
-    pub receivers: &'a Receivers,
-    /// Of shadow rays.
-    pub offset: RayOffset,
-}
 
 /// A light's maps, measured.
 #[derive(Clone, Debug)]
@@ -44,7 +31,7 @@ pub fn planned(
         Ok(fitted) => fitted,
         Err(reason) => return Ok(Err(reason.to_string())),
     };
-    let mut judge = match Judge::new(on.tracer, on.view, question, &fitted, on.receivers, on.offset) {
+    let mut judge = match Judge::new(*on, question, &fitted) {
         Ok(judge) => judge,
         Err(reason) => return Ok(Err(reason.to_string())),
     };
@@ -65,7 +52,7 @@ pub fn improved(
     planned: Planned,
 ) -> Result<Planned, RasterError> {
     let Planned { maps, mut fitted, certified, spent } = planned;
-    let mut judge = Judge::of_maps(on.tracer, on.view, question, maps, on.receivers, on.offset);
+    let mut judge = Judge::of_maps(*on, question, maps);
     let certified = refined(question, samples, &mut fitted, &mut judge, certified)?;
     let spent = [spent[0] + judge.texels_drawn, spent[1] + judge.triangles_drawn, spent[2]];
     Ok(Planned { maps: judge.maps, fitted, certified, spent })
