@@ -3,6 +3,7 @@
 use super::judge::Judge;
 use super::{BiasParams, FilmQuestion, FittedLight, SizeGrid};
 use crate::depth::CONSTANT_F32;
+use crate::methods::Method;
 use crate::raster::{Bias, RasterError};
 
 /// Slope factors that are measured. 1 is exact for a plane (the receiver and the texel centre on one surface); finely
@@ -19,12 +20,13 @@ fn bias_with(params: &BiasParams, slope: f64) -> Bias {
     }
 }
 
-/// The bias where nothing is measured, of a light with so many maps. Each of several gets few texels, and wide texels on a
-/// steep surface push it through all that lies behind it: whole shadows go (one light of 24 on the courtyard, four maps,
-/// lost 235,000 pixels). So several maps have a clamp; a single one is 1 to 2 % better without.
-pub fn default_bias(params: &BiasParams, maps: usize) -> Bias {
+/// The bias where nothing is measured. The parts of `partitioned` get few texels where they hold few edges, and wide texels on
+/// a steep surface push it through all that lies behind it: whole shadows go (one light of 24 on the courtyard, four maps,
+/// lost 235,000 pixels). So they have a clamp. Other methods, of one map or of several, are better without, by 1 to 25 %.
+pub fn default_bias(params: &BiasParams, method: Method) -> Bias {
     let bias = bias_with(params, SLOPES[0]);
-    if maps > 1 && params.clamp.is_none() { Bias { clamp: CLAMPS[0], ..bias } } else { bias }
+    let clamped = method == Method::Partitioned && params.clamp.is_none();
+    if clamped { Bias { clamp: CLAMPS[0], ..bias } } else { bias }
 }
 
 /// Clamps of the slope term that are measured once the slope is chosen, window depth. Triangles nearly edge-on to the
@@ -65,5 +67,5 @@ pub fn measured_bias(
             consider(Bias { clamp, ..chosen }, &mut best)?;
         }
     }
-    Ok(best.map_or_else(|| (default_bias(params, fitted.regions.len()), None), |(wrong, bias)| (bias, Some(wrong))))
+    Ok(best.map_or_else(|| (default_bias(params, fitted.method), None), |(wrong, bias)| (bias, Some(wrong))))
 }
