@@ -188,7 +188,7 @@ fn answers(
     judge: &mut Judge,
     choice: BiasChoice,
 ) -> Result<(Bias, Vec<u32>), RasterError> {
-    let plan = default_bias(&question.map.bias, question.solver.method);
+    let plan = default_bias(&question.map.bias);
     let grid: &[Bias] = match choice {
         BiasChoice::Plan => &[],
         BiasChoice::Best => &BIAS_GRID,

@@ -107,7 +107,7 @@ pub fn refined(
 pub fn certify(question: &FilmQuestion, fitted: &FittedLight, judge: &mut Judge) -> Result<Certified, RasterError> {
     let grid = grid_of(question, fitted);
     if question.quality.measure == Measure::Check {
-        let (bias, guess) = (default_bias(&question.map.bias, fitted.method), grid.at_least(fitted.texels));
+        let (bias, guess) = (default_bias(&question.map.bias), grid.at_least(fitted.texels));
         let sizes = grid.sizes(guess).to_vec();
         let drawn = judge.draw(&sizes, bias)?;
         let wrong = judge.wrong(&drawn);
@@ -204,7 +204,7 @@ pub fn predict_only(question: &FilmQuestion, fitted: &FittedLight) -> Certified 
     Certified {
         met: texels >= fitted.texels,
         sizes: grid.sizes(index).to_vec(),
-        bias: default_bias(&question.map.bias, fitted.method),
+        bias: default_bias(&question.map.bias),
         predicted: predict(&fitted.regions, &fitted.shares, texels),
         predicted_at_quantile: predicted_at_quantile(question, fitted, texels),
         chosen: None,

@@ -186,7 +186,7 @@ fn polished(
     let question = FilmQuestion { map: asked.map, ..stage.question(here, stages.job) };
     if let Ok(mut judge) = Judge::new(on, &question, &held.fitted) {
         let size = |aspect: f64, texels: f64| size_on_grid(asked.map, aspect, texels);
-        let drawing = Drawing { size: &size, bias: default_bias(&asked.map.bias, held.fitted.method) };
+        let drawing = Drawing { size: &size, bias: default_bias(&asked.map.bias) };
         polish(&question, &samples, &mut held.fitted, &mut judge, &drawing)?;
     }
     held.refit(asked);

@@ -223,7 +223,7 @@ fn predicted(question: &FilmQuestion, held: &Held, regions: &[Region]) -> Found 
     let certified = Certified {
         met: held.grid.texels(held.size) >= needed,
         sizes: held.grid.sizes(held.size).to_vec(),
-        bias: default_bias(&question.map.bias, held.fitted.method),
+        bias: default_bias(&question.map.bias),
         predicted: Prediction::default(),
         predicted_at_quantile: None,
         chosen: None,
