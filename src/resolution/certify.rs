@@ -56,6 +56,12 @@ impl Certified {
             None => self.predicted_at_quantile.unwrap_or(self.predicted.misclassified) / limit,
         }
     }
+
+    /// Whether these maps may stand in for others of the same light: what meets the bound goes before what does not, then
+    /// what has no more texels.
+    pub fn serves_as_well_as(&self, other: &Certified) -> bool {
+        (self.met && !other.met) || (self.met == other.met && texels(&self.sizes) <= texels(&other.sizes))
+    }
 }
 
 impl Trial {
@@ -96,7 +102,7 @@ pub fn refined(
     polish(question, samples, fitted, judge, &Drawing { size: &size, bias: first.bias })?;
     let polished = smallest_size(question, fitted, judge, first.bias, None)?;
     // What is better at one size may be worse at the sizes that count.
-    if (polished.met && !first.met) || (polished.met == first.met && texels(&polished.sizes) <= texels(&first.sizes)) {
+    if polished.serves_as_well_as(&first) {
         return Ok(polished);
     }
     (*fitted, judge.maps) = before;

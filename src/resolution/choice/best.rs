@@ -94,8 +94,7 @@ pub fn best(
         let solver = solver_of(entrants[won].method);
         if let Ok(found) = planned(&FilmQuestion { solver: &solver, ..*question }, samples, on, false)? {
             spend(found.spent);
-            let (now, before) = (&found.certified, &kept.certified);
-            if (now.met && !before.met) || (now.met == before.met && texels(&now.sizes) <= texels(&before.sizes)) {
+            if found.certified.serves_as_well_as(&kept.certified) {
                 (taken, kept) = (won, found);
             }
         }
