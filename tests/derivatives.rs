@@ -2,7 +2,7 @@
 //! rounding) of the sum over samples itself, so that the moments are not taken on trust either.
 
 use glam::{DVec2, DVec3};
-use lixel::metric::{EdgeSamples, Moments};
+use lixel::metric::{EdgeSamples, FilmEdge, Moments};
 use num_dual::HyperDual64;
 use proptest::prelude::*;
 
@@ -22,7 +22,8 @@ fn samples(grazing: f64) -> EdgeSamples {
         let along = first * 1.5 + q * 0.01;
         let second = if i == 0 { along + (across - along) * grazing } else { across };
         let t = [first, second];
-        s.push(q, t, lixel::math::det3(q, t[0], t[1]), DVec2::from_angle(f), [1.0 + 0.1 * f, 10.0]);
+        let edge = FilmEdge { normal: DVec2::from_angle(f), length_px: 1.0 + 0.1 * f, room_px: 10.0, uncertain: false };
+        s.push(q, t, lixel::math::det3(q, t[0], t[1]), &edge);
     }
     s
 }

@@ -9,10 +9,10 @@ use lixel::plan::{self, LightPlan, Plan, PlanError, Verification};
 use std::path::Path;
 use watching::watched;
 
-/// One light of the courtyard, 160 x 90, frame by frame, at most 3 % wrong.
+/// One light of the courtyard, 240 x 135, frame by frame, at most 3 % wrong.
 fn planned(folder: &Path, overrides: &str) -> Result<Plan, PlanError> {
     let text = format!(
-        "scene = '{}/examples/courtyard/courtyard.glb'\nframes = {{ range = '30-33' }}\nimage = {{ size = [160, 90] }}\n\
+        "scene = '{}/examples/courtyard/courtyard.glb'\nframes = {{ range = '30-33' }}\nimage = {{ size = [240, 135] }}\n\
          light = [{{ name = 'lamp' }}]\nquality = {{ epsilon = 0.03 }}\nshot = {{ temporal = 'per-frame' }}",
         env!("CARGO_MANIFEST_DIR")
     );
@@ -39,7 +39,7 @@ fn a_renderer_that_blends_over_time_is_planned_with_smaller_maps() {
     let (drawn, plain) = (blended.summary.texels_drawn, alone.summary.texels_drawn);
     assert!(drawn * 10 < plain * 8, "{drawn} of {plain}");
     let shown: Vec<_> = entries(&blended).into_iter().map(|l| l.reprojected.unwrap()).collect();
-    assert!(shown.iter().all(|s| s.met && s.misclassified as f64 <= 0.03 * 160.0 * 90.0));
+    assert!(shown.iter().all(|s| s.met && s.misclassified as f64 <= 0.03 * (240.0 * 135.0)));
     let flicker: u64 = shown.iter().filter_map(|s| s.flicker).map(|f| f.still).sum();
     assert!(flicker * 2 < alone.summary.flicker.unwrap(), "{flicker}, {:?}", alone.summary);
     assert!(shown[0].flicker.is_none() && blended.conventions.filter.contains("reprojection"));

@@ -50,6 +50,7 @@ impl Scene {
                     normal: DVec2::from_angle(std::f64::consts::TAU * random.next()),
                     length_px: 4.0 * (0.2 + random.next()),
                     room_px: 60.0 * random.next() + 1.0,
+                    uncertain: false,
                 }
             })
             .collect();
@@ -88,7 +89,7 @@ impl Scene {
         for edge in &self.edges {
             let (q, t) = normalisation.vectors(space.q(edge.position), edge.derivatives.map(|d| space.dq(d)));
             let size = q.length() * t[0].length() * t[1].length();
-            samples.push(q, t, volume(q, t, size), edge.normal, [edge.length_px, edge.room_px]);
+            samples.push(q, t, volume(q, t, size), &edge.into());
         }
         (samples, hull.iter().map(|p| normalisation.point(*p)).collect())
     }

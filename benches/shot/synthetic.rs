@@ -57,6 +57,7 @@ fn frame(light: &Light, at: DVec2, heading: f64, edges: usize, random: &mut Rand
             normal: DVec2::from_angle(random.next() * std::f64::consts::TAU),
             length_px: 4.0 * 600.0 / edges as f64,
             room_px: 20.0 + 40.0 * random.next(),
+            uncertain: false,
         }
     };
     let edges: Vec<EdgePoint> = (0..edges).map(edge).collect();

@@ -35,7 +35,7 @@ impl Edges {
             let size = q.length() * t[0].length() * t[1].length();
             let volume = volume(q, t, size);
             if volume.abs() > GRAZING * size {
-                samples.push(q, t, volume, edge.normal, [edge.length_px, edge.room_px]);
+                samples.push(q, t, volume, &edge.into());
             }
         }
         Ok(Edges { space, normalisation, samples })

@@ -5,7 +5,7 @@ use super::table::{Row, Table, short};
 use glam::{DMat3, DVec2, DVec3};
 use lixel::fit::{Aspect, Effort, FitProblem, Normalisation, Shape, minimise, minimise_exhaustive, normalise};
 use lixel::math::{Prng, convex_hull, det3};
-use lixel::metric::{EdgeSamples, Metric, Moments, moments_of};
+use lixel::metric::{EdgeSamples, FilmEdge, Metric, Moments, moments_of};
 use rayon::prelude::*;
 
 /// One problem.
@@ -49,7 +49,8 @@ pub(crate) fn edges(stream: &mut Prng, count: usize) -> (Vec<DVec2>, EdgeSamples
         let t = [(across * pixel).extend(0.0), (along * pixel).extend(0.0)];
         let q = p.extend(1.0);
         let normal = DVec2::from_angle(stream.between(0.0, std::f64::consts::TAU));
-        samples.push(q, t, det3(q, t[0], t[1]), normal, [stream.between(0.5, 2.0), stream.between(2.0, 40.0)]);
+        let (length_px, room_px) = (stream.between(0.5, 2.0), stream.between(2.0, 40.0));
+        samples.push(q, t, det3(q, t[0], t[1]), &FilmEdge { normal, length_px, room_px, uncertain: false });
     }
     (hull, samples)
 }
@@ -60,7 +61,13 @@ pub(crate) fn normalised(samples: &EdgeSamples, by: &Normalisation) -> EdgeSampl
     let det = by.normal_from_plane.determinant();
     for i in 0..samples.len() {
         let (q, t) = by.vectors(samples.q[i], samples.t[i]);
-        out.push(q, t, det / samples.inverse_volume[i], DVec2::X, [samples.length_px[i], samples.room_px[i]]);
+        let (length_px, room_px) = (samples.length_px[i], samples.room_px[i]);
+        out.push(
+            q,
+            t,
+            det / samples.inverse_volume[i],
+            &FilmEdge { normal: DVec2::X, length_px, room_px, uncertain: false },
+        );
         // c of an edge is a cross product: it goes with the cofactors.
         out.edge_vector[i] = cofactors(&by.normal_from_plane) * samples.edge_vector[i];
     }

@@ -4,18 +4,15 @@
 //! light. Only receivers that were answered wrongly are asked, each at most once.
 
 use super::{Counts, Receivers};
+use crate::metric::UNCERTAIN_WEIGHT;
 use crate::scene::{Camera, Light};
-use crate::visibility::{Answer, RayOffset, Tracer, View, answer};
+use crate::visibility::{Answer, RayOffset, Tracer, View, answer, edge_on};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::sync::atomic::{AtomicU8, Ordering};
 
-/// A surface within this angle of edge-on to the light has no certain answer, degrees: normals of a scanned or tessellated
-/// surface are no truer.
-pub const EDGE_ON_DEGREES: f64 = 1.0;
-
 /// Certain and uncertain errors together may pass epsilon by this factor.
-pub const UNCERTAIN_SLACK: f64 = 1.15;
+pub const UNCERTAIN_SLACK: f64 = 1.0 + UNCERTAIN_WEIGHT;
 
 /// Tells certain from uncertain receivers, and remembers.
 pub struct Certainty<'a> {
@@ -73,9 +70,8 @@ impl<'a> Certainty<'a> {
                 let pixel = self.receivers.pixels[receiver as usize] as usize;
                 let exact = self.receivers.shadowed[receiver as usize];
                 let uncertain = self.view.surface(self.tracer, self.camera, pixel).is_some_and(|surface| {
-                    let facing = surface.normal.dot(self.light.towards(surface.position).normalize());
                     let larger = answer(self.tracer, &surface, self.light, self.offset.uncertain());
-                    facing < EDGE_ON_DEGREES.to_radians().sin() || (larger == Answer::Shadowed) != exact
+                    edge_on(&surface, self.light) || (larger == Answer::Shadowed) != exact
                 });
                 slot.store(if uncertain { UNCERTAIN } else { CERTAIN }, Ordering::Relaxed);
                 uncertain
@@ -109,9 +105,13 @@ impl Verdict {
 
     /// The smallest limit that is met, wrong pixels.
     pub fn least_limit(&self) -> f64 {
-        let certain = self.certain.wrong() as f64;
-        certain.max((certain + self.uncertain as f64) / UNCERTAIN_SLACK)
+        least_limit(self.certain.wrong() as f64, self.uncertain as f64)
     }
+}
+
+/// The smallest limit that so many certain and uncertain wrong pixels meet.
+pub fn least_limit(certain: f64, uncertain: f64) -> f64 {
+    certain.max((certain + uncertain) / UNCERTAIN_SLACK)
 }
 
 #[cfg(test)]

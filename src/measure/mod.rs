@@ -11,7 +11,7 @@ mod params;
 mod receivers;
 mod reprojection;
 
-pub use certainty::{Certainty, EDGE_ON_DEGREES, UNCERTAIN_SLACK, Verdict};
+pub use certainty::{Certainty, UNCERTAIN_SLACK, Verdict, least_limit};
 pub use count::{Counts, Drawn, Looked, Outside, answers_shadowed, count, fewer_wrong, look_up, wrong};
 pub use edge_distance::edge_distance;
 pub use flicker::{Earlier, Flickering, LightThenNow, Moment, flicker, flickering, reproject};

@@ -2,15 +2,18 @@
 //!
 //! The p-norm and saturating metrics are minimised by reweighting: each round's 36 moments are those of the quadratic
 //! that touches the metric at the present displacement (iteratively reweighted least squares), always from the base
-//! weights. The iterate with the lowest metric of its own is kept, not the last.
+//! weights. The largest displacement is minimised by Lawson's reweighting instead. The iterate with the lowest metric of its own is kept, not the last.
 
 use super::plane::Plane;
 use super::region::{Region, Report, texel_rows};
 use super::{Inapplicable, Inputs};
 use crate::fit::{self, Effort, Fit, FitProblem, PolarPolygon, Shape, Step, minimise};
 use crate::math::LightSpace;
-use crate::metric::{Metric, Moments, cost_and_moments, moments_of};
+use crate::metric::{Lawson, Metric, Moments, cost, cost_and_moments, moments_of};
 use glam::{DVec2, DVec3};
+
+/// Rounds of Lawson's reweighting for one of `solver.rounds`: they converge linearly.
+const MINIMAX_ROUNDS: u32 = 16;
 
 /// Solves one region.
 pub(super) fn solve(inputs: &Inputs, axis: Option<DVec3>) -> Result<Region, Inapplicable> {
@@ -36,7 +39,19 @@ pub(super) fn solve(inputs: &Inputs, axis: Option<DVec3>) -> Result<Region, Inap
     let rows_of = |fit: &Fit| texel_rows(&fit.rows, fit.aspect, inputs.texels);
     let mut best = start;
     let mut rounds = 0;
-    if metric != Metric::L2 && solver.rounds > 0 && !plane.samples.is_empty() {
+    if metric == Metric::Minimax && solver.rounds > 0 {
+        let mut weights = Lawson::new(&plane.samples);
+        let mut least = f64::INFINITY;
+        for _ in 0..solver.rounds.saturating_mul(MINIMAX_ROUNDS) {
+            let Some(next) = fit(&weights.moments(&plane.samples), Effort::Local, &[best.ab]) else { break };
+            rounds += 1;
+            let value = cost(&plane.samples, metric, &rows_of(&next));
+            if value < least {
+                (least, best) = (value, next);
+            }
+            weights.heed(&plane.samples, &rows_of(&next));
+        }
+    } else if metric != Metric::L2 && solver.rounds > 0 && !plane.samples.is_empty() {
         let mut current = start;
         let (mut best_cost, mut moments) = cost_and_moments(&plane.samples, metric, &rows_of(&start));
         for round in 0..solver.rounds {

@@ -22,7 +22,7 @@ pub struct SolverParams {
     pub tolerance: f64,
     /// How far the search goes.
     pub effort: Effort,
-    /// Rounds of choosing between maps by measured error, each among eight maps near the best one so far, before the first
+    /// Rounds of choosing between maps by measured error, each among eight maps near the best ones so far, before the first
     /// of which the other metrics' and methods' answers are measured too. 0 = trust the metric. At most 1000.
     pub measured_rounds: u32,
     /// `partitioned`: most maps of a light (of each cube face, for a light among the geometry), 1 to 64.

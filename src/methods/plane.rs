@@ -3,7 +3,7 @@
 use super::Inputs;
 use crate::fit::{Normalisation, Shape, normalise, normalise_similar};
 use crate::math::{LightSpace, convex_hull, without_flat};
-use crate::metric::{EdgeSamples, volume};
+use crate::metric::{EdgeSamples, FilmEdge, volume};
 use crate::samples::EdgePoint;
 use glam::{DMat3, DVec2, DVec3};
 use serde::{Deserialize, Serialize};
@@ -45,7 +45,7 @@ pub(super) fn edge_samples(
             grazing += 1;
             continue;
         }
-        samples.push(q, t, volume, point.normal, [point.length_px * scale, point.room_px]);
+        samples.push(q, t, volume, &FilmEdge { length_px: point.length_px * scale, ..point.into() });
     }
     (samples, grazing)
 }

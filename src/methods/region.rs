@@ -3,7 +3,7 @@
 use super::plane::{Plane, edge_samples};
 use crate::fit::{Shape, Termination};
 use crate::math::{Domain, LightSpace, RigidMotion};
-use crate::metric::{Metric, TexelRows, cost, inverse_jacobian_norm2};
+use crate::metric::{Metric, TexelRows, cost, inverse_jacobian_norm2, wrong_pixels};
 use crate::samples::EdgePoint;
 use glam::{DMat3, DVec2, DVec3};
 use serde::{Deserialize, Serialize};
@@ -68,9 +68,11 @@ pub struct Region {
 /// What the edge samples say of a map of a given size.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Prediction {
-    /// Expected misclassified pixels: saturating displacement times edge length.
+    /// Expected misclassified pixels with a certain exact answer: saturating displacement times edge length.
     pub misclassified: f64,
-    /// The same without saturation.
+    /// Further ones, whose exact answer is uncertain.
+    pub uncertain: f64,
+    /// The certain ones without saturation.
     pub unsaturated: f64,
 }
 
@@ -151,10 +153,9 @@ impl Region {
     /// Expected wrong pixels of a map of `texels` texels at the region's aspect.
     pub fn predict(&self, texels: f64) -> Prediction {
         let rows = self.texel_rows(texels);
-        Prediction {
-            misclassified: cost(&self.plane.samples, Metric::Saturating, &rows),
-            unsaturated: cost(&self.plane.samples, Metric::Displacement, &rows),
-        }
+        let [misclassified, uncertain] = wrong_pixels(&self.plane.samples, true, &rows);
+        let [unsaturated, _] = wrong_pixels(&self.plane.samples, false, &rows);
+        Prediction { misclassified, uncertain, unsaturated }
     }
 
     /// Expected wrong pixels that each of some edges accounts for in a map of `texels` texels.

@@ -65,6 +65,7 @@ pub fn inverse_jacobian_norm2(samples: &EdgeSamples, i: usize, rows: &TexelRows)
 
 #[cfg(test)]
 mod tests {
+    use super::super::FilmEdge;
     use super::*;
     use glam::DVec2;
 
@@ -73,7 +74,8 @@ mod tests {
     fn axis_aligned_texel_of_five_pixels() {
         let (q, t) = (DVec3::new(0.2, 0.3, 1.0), [DVec3::new(0.1, 0.0, 0.0), DVec3::new(0.0, 0.1, 0.0)]);
         let mut samples = EdgeSamples::default();
-        samples.push(q, t, det3(q, t[0], t[1]), DVec2::X, [1.0, 1.0]);
+        let edge = FilmEdge { normal: DVec2::X, length_px: 1.0, room_px: 1.0, uncertain: false };
+        samples.push(q, t, det3(q, t[0], t[1]), &edge);
         let rows = TexelRows::new(&[DVec3::new(2.0, 0.0, 0.0), DVec3::new(0.0, 2.0, 0.0), DVec3::Z]);
         let d = rows.displacement(&samples, 0);
         assert!((d.r_max - 5.0).abs() < 1e-12 && d.r_min.abs() < 1e-12);

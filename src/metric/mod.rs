@@ -11,15 +11,38 @@
 
 mod derivatives;
 mod displacement;
+mod minimax;
 mod moments;
 mod weights;
 
 pub use displacement::{Displacement, TexelRows, inverse_jacobian_norm2};
+pub use minimax::Lawson;
 pub use moments::Moments;
-pub use weights::{Metric, cost, cost_and_moments, moments_of};
+pub use weights::{Metric, UNCERTAIN_WEIGHT, cost, cost_and_moments, moments_of, wrong_pixels};
 
+use crate::samples::EdgePoint;
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
+
+/// A piece of shadow edge on the film.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FilmEdge {
+    /// Unit normal.
+    pub normal: DVec2,
+    /// Length, pixels.
+    pub length_px: f64,
+    /// Distance to the nearest other shadow edge across this one, pixels.
+    pub room_px: f64,
+    /// The exact answers beside it are uncertain.
+    pub uncertain: bool,
+}
+
+impl From<&EdgePoint> for FilmEdge {
+    fn from(point: &EdgePoint) -> FilmEdge {
+        let EdgePoint { normal, length_px, room_px, uncertain, .. } = *point;
+        FilmEdge { normal, length_px, room_px, uncertain }
+    }
+}
 
 /// Edge samples of one light in one light plane: structure of arrays, all of equal length. q and T are divided by q3
 /// and in normalised coordinates, so that sums over them are well scaled. What sums need again and again is worked out
@@ -38,6 +61,8 @@ pub struct EdgeSamples {
     pub length_px: Vec<f64>,
     /// Distance to the nearest other shadow edge across this one, pixels: a displacement wider than that costs no more.
     pub room_px: Vec<f64>,
+    /// The exact answers beside it are uncertain: its wrong pixels count [`UNCERTAIN_WEIGHT`].
+    pub uncertain: Vec<bool>,
 }
 
 impl EdgeSamples {
@@ -60,18 +85,19 @@ impl EdgeSamples {
             edge_vector: Vec::with_capacity(count),
             length_px: Vec::with_capacity(count),
             room_px: Vec::with_capacity(count),
+            uncertain: Vec::with_capacity(count),
         }
     }
 
-    /// Adds a sample: q with its derivatives, their [`volume`], the unit normal of the edge on the film, its length and
-    /// its room, pixels.
-    pub fn push(&mut self, q: DVec3, t: [DVec3; 2], volume: f64, edge_normal: DVec2, [length_px, room_px]: [f64; 2]) {
+    /// Adds a sample: q with its derivatives, their [`volume`], and the edge.
+    pub fn push(&mut self, q: DVec3, t: [DVec3; 2], volume: f64, edge: &FilmEdge) {
         self.q.push(q);
         self.t.push(t);
         self.inverse_volume.push(1.0 / volume);
-        self.edge_vector.push((t[1] * edge_normal.x - t[0] * edge_normal.y).cross(q));
-        self.length_px.push(length_px);
-        self.room_px.push(room_px);
+        self.edge_vector.push((t[1] * edge.normal.x - t[0] * edge.normal.y).cross(q));
+        self.length_px.push(edge.length_px);
+        self.room_px.push(edge.room_px);
+        self.uncertain.push(edge.uncertain);
     }
 
     /// c_1 and c_2 of a sample.

@@ -126,7 +126,7 @@ fn products(v: DVec3) -> [f64; 6] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::metric::{TexelRows, inverse_jacobian_norm2};
+    use crate::metric::{FilmEdge, TexelRows, inverse_jacobian_norm2};
 
     fn samples() -> crate::metric::EdgeSamples {
         let mut s = crate::metric::EdgeSamples::default();
@@ -138,7 +138,13 @@ mod tests {
                 DVec3::new(-0.002, 0.02 + 0.004 * f.cos(), 0.0),
             ];
             let volume = crate::math::det3(q, t[0], t[1]);
-            s.push(q, t, volume, glam::DVec2::from_angle(f), [1.0 + 0.1 * f, 10.0]);
+            let edge = FilmEdge {
+                normal: glam::DVec2::from_angle(f),
+                length_px: 1.0 + 0.1 * f,
+                room_px: 10.0,
+                uncertain: false,
+            };
+            s.push(q, t, volume, &edge);
         }
         s
     }

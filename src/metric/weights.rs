@@ -1,5 +1,6 @@
 //! What is minimised, and the quadratic that stands in for it in one round of reweighting (math note §5).
 
+use super::minimax::largest;
 use super::{EdgeSamples, Moments, TexelRows, inverse_jacobian_norm2};
 use glam::DVec3;
 use schemars::JsonSchema;
@@ -16,21 +17,43 @@ pub enum Metric {
     /// Sum of the expected edge displacement, saturating where it grows wider than the room beside the edge.
     #[default]
     Saturating,
+    /// The largest expected edge displacement.
+    Minimax,
+}
+
+/// What a wrong pixel counts whose exact answer is uncertain, where one with a certain answer counts 1: a bound on wrong
+/// pixels lets certain and uncertain ones together pass it by this part.
+pub const UNCERTAIN_WEIGHT: f64 = 0.15;
+
+/// Length of a sample as it counts in the metrics of wrong pixels. (SOSM's sum takes every sample alike.)
+fn counted_px(samples: &EdgeSamples, i: usize) -> f64 {
+    samples.length_px[i] * if samples.uncertain[i] { UNCERTAIN_WEIGHT } else { 1.0 }
 }
 
 /// Cost of rows p1, p2 (in texels) and p4 by a metric, pixels (L2: pixels² per texel²).
 pub fn cost(samples: &EdgeSamples, metric: Metric, rows: &[DVec3; 3]) -> f64 {
+    if metric == Metric::L2 {
+        let rows = TexelRows::new(rows);
+        return (0..samples.len()).map(|i| samples.length_px[i] * inverse_jacobian_norm2(samples, i, &rows)).sum();
+    }
+    if metric == Metric::Minimax {
+        return largest(samples, rows);
+    }
+    let [certain, uncertain] = wrong_pixels(samples, metric == Metric::Saturating, rows);
+    certain + UNCERTAIN_WEIGHT * uncertain
+}
+
+/// Expected wrong pixels of rows p1, p2 (in texels) and p4, of certain and of uncertain answers apart: expected
+/// displacement, saturating or not, times length.
+pub fn wrong_pixels(samples: &EdgeSamples, saturating: bool, rows: &[DVec3; 3]) -> [f64; 2] {
     let rows = TexelRows::new(rows);
-    (0..samples.len())
-        .map(|i| {
-            samples.length_px[i]
-                * match metric {
-                    Metric::L2 => inverse_jacobian_norm2(samples, i, &rows),
-                    Metric::Displacement => rows.displacement(samples, i).expected(),
-                    Metric::Saturating => saturated(rows.displacement(samples, i).expected(), samples.room_px[i]),
-                }
-        })
-        .sum()
+    let mut sums = [0.0; 2];
+    for i in 0..samples.len() {
+        let d = rows.displacement(samples, i).expected();
+        let wide = if saturating { saturated(d, samples.room_px[i]) } else { d };
+        sums[usize::from(samples.uncertain[i])] += samples.length_px[i] * wide;
+    }
+    sums
 }
 
 /// A displacement that costs no more than the room beside the edge: d / (1 + d/room).
@@ -42,28 +65,35 @@ fn saturated(displacement_px: f64, room_px: f64) -> f64 {
 pub fn moments_of(samples: &EdgeSamples, metric: Metric) -> Moments {
     let mut moments = Moments::default();
     for i in 0..samples.len() {
-        let (q, k) = (samples.q[i], samples.length_px[i] * samples.inverse_volume[i] * samples.inverse_volume[i]);
+        let (q, k) = (samples.q[i], samples.inverse_volume[i] * samples.inverse_volume[i]);
         match metric {
             Metric::L2 => {
                 for c in samples.footprint_vectors(i) {
-                    moments.add_scaled(q, c, k);
+                    moments.add_scaled(q, c, k * samples.length_px[i]);
                 }
             }
-            Metric::Displacement | Metric::Saturating => moments.add_scaled(q, samples.edge_vector[i], k),
+            Metric::Displacement | Metric::Saturating | Metric::Minimax => {
+                moments.add_scaled(q, samples.edge_vector[i], k * counted_px(samples, i));
+            }
         }
     }
     moments
 }
 
-/// [`cost`] of rows, and in the same pass the moments of the quadratic that touches it there: one round of reweighting.
+/// [`cost`] of rows, and in the same pass the moments of the quadratic that touches it there: one round of reweighting. (The
+/// largest displacement has none; it gets that of the sum of displacements, and [`super::Lawson`] to be minimised by.)
 pub fn cost_and_moments(samples: &EdgeSamples, metric: Metric, rows: &[DVec3; 3]) -> (f64, Moments) {
     if metric == Metric::L2 {
         return (cost(samples, metric, rows), moments_of(samples, metric));
     }
+    if metric == Metric::Minimax {
+        let (_, moments) = cost_and_moments(samples, Metric::Displacement, rows);
+        return (cost(samples, metric, rows), moments);
+    }
     let rows = TexelRows::new(rows);
     let (mut sum, mut moments) = (0.0, Moments::default());
     for i in 0..samples.len() {
-        let (room, length) = (samples.room_px[i], samples.length_px[i]);
+        let (room, length) = (samples.room_px[i], counted_px(samples, i));
         let d = rows.displacement(samples, i).expected();
         let at_least = if d > DISPLACEMENT_MIN_PX { d } else { DISPLACEMENT_MIN_PX };
         let (cost, weight) = match metric {
@@ -74,7 +104,7 @@ pub fn cost_and_moments(samples: &EdgeSamples, metric: Metric, rows: &[DVec3; 3]
                 (cost, at_least * (room * inverse) * (room * inverse))
             }
             Metric::Saturating => (room, 0.0),
-            Metric::Displacement | Metric::L2 => (d, 1.0 / at_least),
+            Metric::Displacement | Metric::L2 | Metric::Minimax => (d, 1.0 / at_least),
         };
         sum += length * cost;
         let k = length * weight * samples.inverse_volume[i] * samples.inverse_volume[i];
@@ -89,6 +119,7 @@ const DISPLACEMENT_MIN_PX: f64 = 0.01;
 
 #[cfg(test)]
 mod tests {
+    use super::super::FilmEdge;
     use super::*;
     use glam::DVec2;
 
@@ -100,11 +131,16 @@ mod tests {
             let q = DVec3::new((f * 1.3).sin(), (f * 0.7).cos(), 1.0);
             let t = [DVec3::new(0.01, 0.003, 0.0), DVec3::new(-0.002, 0.02 + 0.004 * f.cos(), 0.0)];
             let volume = crate::math::det3(q, t[0], t[1]);
-            samples.push(q, t, volume, DVec2::from_angle(f), [1.0 + f, 3.0 + f]);
+            let edge =
+                FilmEdge { normal: DVec2::from_angle(f), length_px: 1.0 + f, room_px: 3.0 + f, uncertain: i % 7 == 0 };
+            samples.push(q, t, volume, &edge);
         }
         let rows = [DVec3::new(40.0, 2.0, 5.0), DVec3::new(-3.0, 30.0, 9.0), DVec3::new(0.2, -0.3, 1.0)];
         for metric in [Metric::Displacement, Metric::Saturating] {
             let (value, moments) = cost_and_moments(&samples, metric, &rows);
+            let [certain, uncertain] = wrong_pixels(&samples, metric == Metric::Saturating, &rows);
+            assert!(certain > 0.0 && uncertain > 0.0);
+            assert!((value / (certain + 0.15 * uncertain) - 1.0).abs() < 1e-12);
             assert!((value / cost(&samples, metric, &rows) - 1.0).abs() < 1e-12);
             assert!(moments.is_finite() && moments.value(&rows) > 0.0);
             assert!(moments != moments_of(&samples, metric));

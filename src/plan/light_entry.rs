@@ -7,11 +7,12 @@ use super::stage::{FrameStage, Lit, measures};
 use super::{FromImages, LightError, LightPlan, MapPlan, Measured, PlanError, Predicted, SolverReport, Status, Tried};
 use crate::job::Job;
 use crate::math::first_holding;
-use crate::measure::{EDGE_ON_DEGREES, Outside, Receivers};
+use crate::measure::{Outside, Receivers};
 use crate::methods::Method;
 use crate::resolution::{Bound, Certified, FittedLight, JudgedMap, Planned};
 use crate::scene::{Film, Light, VisibilitySource};
 use crate::visibility::Answer;
+use crate::visibility::EDGE_ON_DEGREES;
 use std::time::Instant;
 
 /// Plans one light. `timings` adds wall time; `given` are the regions to measure, where they are not to be fitted here.
@@ -197,6 +198,7 @@ pub(super) fn light_error(
     LightError {
         predicted: Some(Predicted {
             misclassified: certified.predicted.misclassified,
+            uncertain: certified.predicted.uncertain,
             unsaturated: certified.predicted.unsaturated,
             displacement: of_quantile(Bound::Displacement, certified.predicted_at_quantile),
             footprint: of_quantile(Bound::Footprint, certified.predicted_at_quantile),

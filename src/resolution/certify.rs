@@ -1,7 +1,7 @@
 //! Chooses the smallest size by measurement, with a certificate of what was tried.
 
 use super::bias::{default_bias, measured_bias};
-use super::fitted::{bound_limit, predict, predicted_bound};
+use super::fitted::{bound_limit, predict, predicted_bound, predicted_limit};
 use super::judge::Judge;
 use super::{
     Bound, Drawing, FilmQuestion, FittedLight, Measure, Probe, SizeGrid, grown, polish, polishes, size_on_grid,
@@ -53,7 +53,7 @@ impl Certified {
         let limit = bound_limit(question.quality, question.film);
         match &self.chosen {
             Some(trial) => trial.error_over_bound(question),
-            None => self.predicted_at_quantile.unwrap_or(self.predicted.misclassified) / limit,
+            None => self.predicted_at_quantile.unwrap_or_else(|| predicted_limit(&self.predicted)) / limit,
         }
     }
 

@@ -4,7 +4,7 @@
 use super::{AspectRule, Bound, MapParams, QualityParams, shares};
 use crate::fit::Aspect;
 use crate::math::{Bounds, first_holding};
-use crate::measure::{Outside, Receivers};
+use crate::measure::{Outside, Receivers, least_limit};
 use crate::methods::{Inapplicable, Inputs, Method, Prediction, Region, SolverParams, held, solve};
 use crate::samples::LightSamples;
 use crate::scene::{Camera, Film, Light};
@@ -214,8 +214,17 @@ impl<'a> Cover<'a> {
 pub fn predict(regions: &[Region], shares: &[f64], texels: f64) -> Prediction {
     regions.iter().zip(shares).fold(Prediction::default(), |sum, (region, share)| {
         let p = region.predict(texels * share);
-        Prediction { misclassified: sum.misclassified + p.misclassified, unsaturated: sum.unsaturated + p.unsaturated }
+        Prediction {
+            misclassified: sum.misclassified + p.misclassified,
+            uncertain: sum.uncertain + p.uncertain,
+            unsaturated: sum.unsaturated + p.unsaturated,
+        }
     })
+}
+
+/// The smallest limit of wrong pixels that a prediction meets.
+pub(super) fn predicted_limit(predicted: &Prediction) -> f64 {
+    least_limit(predicted.misclassified, predicted.uncertain)
 }
 
 /// What the bound allows on a film: wrong pixels, or pixels at the quantile.
@@ -230,7 +239,7 @@ pub fn bound_limit(quality: &QualityParams, film: Film) -> f64 {
 pub fn predicted_bound(quality: &QualityParams, regions: &[Region], shares: &[f64], texels: f64) -> f64 {
     let of_all = regions.iter().zip(shares);
     match quality.bound {
-        Bound::Misclassified => predict(regions, shares, texels).misclassified,
+        Bound::Misclassified => predicted_limit(&predict(regions, shares, texels)),
         Bound::Displacement => {
             weighted_quantile(of_all.flat_map(|(r, s)| r.displacements(texels * s)).collect(), quality.quantile)
         }

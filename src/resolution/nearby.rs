@@ -27,9 +27,9 @@ pub(super) struct Nearby {
 }
 
 impl Nearby {
-    /// Before the first step.
-    pub(super) fn new() -> Nearby {
-        Nearby { stream: Prng::new(SEED, 0), deviation: FIRST }
+    /// Before the first step. Searches of different numbers take different steps.
+    pub(super) fn new(number: u64) -> Nearby {
+        Nearby { stream: Prng::new(SEED, number), deviation: FIRST }
     }
 
     /// The next step of p4 alone.

@@ -2,7 +2,7 @@
 //!
 //! The metric sees shadow edges, not what the bias hides nor how thin things fall on texels. So a few more maps are drawn
 //! at the size and with the bias they are to have, and counted as the certificate counts: the answers of the other
-//! metrics and of other methods, then maps near the best one so far (`nearby`). The fewest wrong pixels decide, ties by
+//! metrics and of other methods, then maps near the best ones so far (`nearby`). The fewest wrong pixels decide, ties by
 //! the order of trial. Each map of a light is judged on the pixels that look it up; then texels move between the maps to
 //! where they are measured to count most.
 
@@ -13,7 +13,7 @@ use super::{FilmQuestion, FittedLight, MapParams, SizeGrid};
 use crate::depth::Visible;
 use crate::math::{Domain, first_holding};
 use crate::measure::{Outside, Receivers};
-use crate::methods::{Inputs, Method, Region, SolverParams, near, refitted, solve};
+use crate::methods::{AreaOver, Inputs, Method, Region, SolverParams, near, refitted, solve};
 use crate::metric::Metric;
 use crate::raster::{Bias, RasterError};
 use crate::samples::LightSamples;
@@ -28,6 +28,23 @@ const MAPS_A_ROUND: u32 = 8;
 
 /// The first maps near the best one keep the metric's own affine part and only move p4: coarse steps first.
 const REFITTED: u32 = 2 * MAPS_A_ROUND;
+
+/// Maps that steps begin at: the best of the metrics' and methods' answers.
+const LINES: usize = 4;
+
+/// The steps from each take this part of all; those left go on from the one that leads then. Measured over 60 lights: four
+/// such lines have 2.6 % fewer wrong pixels on the courtyard than one with as many steps, whose start decides too much; on
+/// the floor and a scanned scene, with few things narrower than a texel, both come to the same within 1 %.
+const EARLY: u32 = 6;
+
+/// Steps from one map on.
+struct Line {
+    /// The best so far, with the smallest limit that it meets.
+    best: (f64, JudgedMap),
+    nearby: Nearby,
+    /// Taken so far.
+    steps: u32,
+}
 
 /// How maps are drawn that are chosen between.
 #[derive(Clone, Copy)]
@@ -117,53 +134,81 @@ impl Part<'_> {
     /// The map with the fewest wrong pixels; `None` when the region itself has no depth row.
     fn best(&self, judge: &mut Judge, region: &Region, measured: &mut u64) -> Result<Option<JudgedMap>, RasterError> {
         let solver = self.question.solver;
-        let Some(mut best) = self.measure(judge, region, f64::INFINITY)? else { return Ok(None) };
-        // The parts of a hull are not among the covered points, which other methods would be fitted to.
-        let parted = self.inputs.hull_only && solver.method == Method::Partitioned;
-        let variant = |method: Method, metric: Metric| {
-            if parted { None } else { self.variant(method, metric, &region.domain) }
-        };
-        let others = [
-            variant(Method::Lixel, Metric::Displacement).filter(|_| solver.metric != Metric::Displacement),
-            variant(Method::Lixel, Metric::Saturating).filter(|_| solver.metric != Metric::Saturating),
-            variant(Method::SceneOptimal, Metric::L2),
-            variant(Method::Lixel, Metric::L2),
-            variant(Method::Lispsm, Metric::L2),
-            variant(Method::Tsm, Metric::L2),
-            variant(Method::Focused, Metric::L2),
-        ];
-        for region in others.into_iter().flatten() {
+        let Some(own) = self.measure(judge, region, f64::INFINITY)? else { return Ok(None) };
+        let mut starts = vec![own];
+        for region in self.others(&region.domain) {
             *measured += 1;
-            if let Some(better) = self.measure(judge, &region, best.0)? {
-                best = better;
-            }
+            starts.extend(self.measure(judge, &region, f64::INFINITY)?);
         }
-        let mut nearby = Nearby::new();
+        // Of equals the first: the sort is stable.
+        starts.sort_by(|a, b| a.0.total_cmp(&b.0));
         let asked = solver.measured_rounds.saturating_mul(MAPS_A_ROUND);
-        for k in 0..if self.smaller { asked.min(REFITTED) } else { asked } {
-            let here = &best.1.region;
-            let candidate = if k < REFITTED {
-                refitted(&self.inputs, here, nearby.warp())
-            } else {
-                near(&self.inputs, here, &nearby.step())
-            };
-            let Some(region) = candidate else {
-                nearby.heed(false);
-                continue;
-            };
-            *measured += 1;
-            let better = self.measure(judge, &region, best.0)?;
-            nearby.heed(better.is_some());
-            if let Some(better) = better {
-                best = better;
+        let (lines, mut left) = if self.smaller { (1, asked.min(REFITTED)) } else { (LINES, asked) };
+        let early = if lines > 1 { asked / EARLY } else { 0 };
+        let mut lead: Option<Line> = None;
+        for (number, best) in starts.into_iter().take(lines).enumerate() {
+            let mut line = Line { best, nearby: Nearby::new(number as u64), steps: 0 };
+            self.follow(judge, &mut line, early, measured)?;
+            left -= early;
+            if lead.as_ref().is_none_or(|lead| line.best.0 < lead.best.0) {
+                lead = Some(line);
             }
         }
-        Ok(Some(best.1))
+        let Some(mut lead) = lead else { return Ok(None) };
+        self.follow(judge, &mut lead, left, measured)?;
+        Ok(Some(lead.best.1))
+    }
+
+    /// Takes steps from a line's best map, each better one the next to step from.
+    fn follow(&self, judge: &mut Judge, line: &mut Line, steps: u32, measured: &mut u64) -> Result<(), RasterError> {
+        for _ in 0..steps {
+            let here = &line.best.1.region;
+            let candidate = if line.steps < REFITTED {
+                refitted(&self.inputs, here, line.nearby.warp())
+            } else {
+                near(&self.inputs, here, &line.nearby.step())
+            };
+            line.steps += 1;
+            let better = match candidate {
+                Some(region) => {
+                    *measured += 1;
+                    self.measure(judge, &region, line.best.0)?
+                }
+                None => None,
+            };
+            line.nearby.heed(better.is_some());
+            if let Some(better) = better {
+                line.best = better;
+            }
+        }
+        Ok(())
+    }
+
+    /// What the other metrics and methods give for the part.
+    fn others(&self, domain: &Domain) -> Vec<Region> {
+        let own = self.question.solver;
+        // The parts of a hull are not among the covered points, which other methods would be fitted to.
+        if self.inputs.hull_only && own.method == Method::Partitioned {
+            return Vec::new();
+        }
+        let variants = [
+            (Method::Lixel, Metric::Displacement),
+            (Method::Lixel, Metric::Saturating),
+            (Method::Lixel, Metric::L2),
+            (Method::SceneOptimal, Metric::L2),
+            (Method::HomographyArea, Metric::L2),
+            (Method::Lispsm, Metric::L2),
+            (Method::Tsm, Metric::L2),
+            (Method::Psm, Metric::L2),
+            (Method::Focused, Metric::L2),
+        ];
+        let others = variants.into_iter().filter(|v| *v != (Method::Lixel, own.metric));
+        others.filter_map(|(method, metric)| self.variant(method, metric, domain)).collect()
     }
 
     /// The part's map by another method or metric.
     fn variant(&self, method: Method, metric: Metric, domain: &Domain) -> Option<Region> {
-        let solver = SolverParams { method, metric, ..self.question.solver.clone() };
+        let solver = SolverParams { method, metric, area: AreaOver::Normal, ..self.question.solver.clone() };
         let regions = solve(method, &Inputs { solver: &solver, ..self.inputs }).ok()?;
         let [mut region] = <[Region; 1]>::try_from(regions).ok()?;
         region.domain = domain.clone();

@@ -5,7 +5,7 @@ use super::crossing::{Crossing, CrossingKind};
 use super::edges::{EdgePoint, LightSamples};
 use super::grid::Grid;
 use crate::scene::{Camera, Light};
-use crate::visibility::{Answer, Surface};
+use crate::visibility::{Answer, Surface, edge_on};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
@@ -78,7 +78,7 @@ impl<'a> Changes<'a> {
             })
             .collect();
         let crossings = || self.across.found.iter().chain(&self.down.found);
-        edges.extend(crossings().flat_map(|c| self.ends_of_surfaces(camera, c)));
+        edges.extend(crossings().flat_map(|c| self.ends_of_surfaces(camera, light, c)));
         let wanted = if cover_lit { Answer::Lit } else { Answer::Shadowed };
         let mut covered: Vec<DVec3> =
             (0..answers.len()).into_par_iter().filter(|i| answers[*i] == wanted).filter_map(corner).collect();
@@ -144,12 +144,13 @@ impl<'a> Changes<'a> {
             normal,
             length_px,
             room_px: forward.0.min(backward.0),
+            uncertain: edge_on(&surface, light),
         })
     }
 
     /// The samples of a surface's end: the direction of the edge is not known there, so two perpendicular halves stand for
     /// the mean over all directions.
-    fn ends_of_surfaces(&self, camera: &Camera, end: &Crossing) -> Vec<EdgePoint> {
+    fn ends_of_surfaces(&self, camera: &Camera, light: &Light, end: &Crossing) -> Vec<EdgePoint> {
         if end.kind != CrossingKind::Discontinuity || !end.other_lit {
             return Vec::new();
         }
@@ -173,6 +174,7 @@ impl<'a> Changes<'a> {
                     normal,
                     length_px,
                     room_px,
+                    uncertain: edge_on(&surface, light),
                 });
             }
         }

@@ -23,6 +23,8 @@ pub struct EdgePoint {
     pub length_px: f64,
     /// Distance to the next change of answer across the edge, the nearer side, pixels.
     pub room_px: f64,
+    /// Its surface is [`edge_on`](crate::visibility::edge_on) to the light: the exact answers beside it are uncertain.
+    pub uncertain: bool,
 }
 
 /// What the fit of one light gets of a frame.

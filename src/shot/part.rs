@@ -178,6 +178,7 @@ mod tests {
             normal: DVec2::X,
             length_px: 0.7,
             room_px: 3.0,
+            uncertain: false,
         };
         let kept = thinned(&vec![edge; 1001], 100);
         assert_eq!(kept.len(), 100);

@@ -53,6 +53,15 @@ impl RayOffset {
     }
 }
 
+/// A surface within this angle of edge-on to the light has no certain answer, degrees: normals of a scanned or tessellated
+/// surface are no truer.
+pub const EDGE_ON_DEGREES: f64 = 1.0;
+
+/// Whether a surface lies within [`EDGE_ON_DEGREES`] of edge-on to a light, or faces away.
+pub fn edge_on(surface: &Surface, light: &Light) -> bool {
+    surface.normal.dot(light.towards(surface.position).normalize()) < EDGE_ON_DEGREES.to_radians().sin()
+}
+
 /// Whether a light reaches a surface. Both sides of triangles shadow. The ray runs to the light's position less the
 /// offset, so that a surface that carries the light does not shadow it; for a directional light it has no end.
 pub fn answer(tracer: &Tracer, surface: &Surface, light: &Light, offset: RayOffset) -> Answer {

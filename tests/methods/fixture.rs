@@ -170,7 +170,8 @@ pub(crate) fn edge_on(camera: &Camera, film: Film, (n, d): Wall, x: f64, y: f64,
         v - direction * (n.dot(v) / n.dot(direction))
     });
     let position = origin + direction * t;
-    Some(EdgePoint { film: [x, y], position, derivatives, normal, length_px: 1.0 + 0.01 * x, room_px: 12.0 })
+    let length_px = 1.0 + 0.01 * x;
+    Some(EdgePoint { film: [x, y], position, derivatives, normal, length_px, room_px: 12.0, uncertain: false })
 }
 
 /// Map position and w of a point in its region; `None` where no domain holds it.

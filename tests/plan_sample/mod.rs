@@ -99,6 +99,7 @@ pub(crate) fn error(misclassified: u64, met: bool) -> LightError {
     LightError {
         predicted: Some(Predicted {
             misclassified: 1900.5,
+            uncertain: 0.5,
             unsaturated: 2500.25,
             displacement: Some(0.5),
             footprint: None,

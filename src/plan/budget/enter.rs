@@ -6,9 +6,10 @@ use super::super::stage::Stages;
 use super::super::{FramePlan, LightPlan, Measured, PlanError, Status, Tried, Watch};
 use super::measure::{Case, Counts, Sizes, each_entry};
 use super::units::Unit;
-use crate::measure::{EDGE_ON_DEGREES, Verdict, wrong};
+use crate::measure::{Verdict, wrong};
 use crate::raster::RasterError;
 use crate::resolution::{other_biases, texels};
+use crate::visibility::EDGE_ON_DEGREES;
 
 /// Writes the sizes chosen for each unit into its entries, with what was measured there.
 pub(super) fn enter(

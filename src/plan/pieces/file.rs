@@ -20,7 +20,7 @@ use std::path::{Path, PathBuf};
 
 const MAGIC: &[u8; 11] = b"lixel.part\n";
 /// Of the format; a change of what a stage keeps is a change of it.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 const DIGEST: usize = 32;
 
 /// What stands in the way of a shot in pieces.

@@ -213,9 +213,11 @@ pub struct LightError {
 /// The closed form's error at the chosen size.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
 pub struct Predicted {
-    /// Expected wrong pixels, saturating where displacements are wider than the shadows.
+    /// Expected wrong pixels with a certain exact answer, saturating where displacements are wider than the shadows.
     pub misclassified: f64,
-    /// The same without saturation.
+    /// Expected further ones, on surfaces edge-on to the light, whose exact answer is uncertain.
+    pub uncertain: f64,
+    /// The certain ones without saturation.
     pub unsaturated: f64,
     /// Pixels between drawn and exact edge, at the quantile, where that is the bound.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -7,9 +7,10 @@ use super::super::{LightPlan, MapPlan, Measured, Status, Tried};
 use super::{LightCheck, Outcome, claims, restated, units, witness};
 use crate::job::Job;
 use crate::math::first_holding;
-use crate::measure::{Drawn, EDGE_ON_DEGREES, Outside, Receivers, Verdict, edge_distance, footprint};
+use crate::measure::{Drawn, Outside, Receivers, Verdict, edge_distance, footprint};
 use crate::resolution::Bound;
 use crate::scene::{Light, VisibilitySource};
+use crate::visibility::EDGE_ON_DEGREES;
 use glam::DVec3;
 
 /// Reasons listed in full; more are counted.
