@@ -25,6 +25,13 @@ const GRID_FRACTIONS: [f64; 6] = [0.2, 0.45, 0.65, 0.8, 0.9, 0.96];
 /// Points of the grid, those of least bound, whose affine part a local search finds; a global one takes all.
 const LOCAL_LOOKS: usize = 24;
 
+/// Starts of simplices lie farther apart than this part of the way to the border: neighbours on a ray of the grid, as long as
+/// that is no difference of its fractions, so that rounding does not tell.
+const APART: f64 = 0.14;
+
+/// Simplices that begin afresh at the best point, at most: as long as they gain more than the tolerance.
+const FRESH_SIMPLICES: u32 = 4;
+
 /// What is minimised, and over what.
 #[derive(Clone, Copy, Debug)]
 pub struct FitProblem<'a> {
@@ -139,20 +146,31 @@ pub fn minimise(problem: &FitProblem, effort: Effort, tolerance: f64, starts: &[
     seeds.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.x.total_cmp(&b.1.x)).then(a.1.y.total_cmp(&b.1.y)));
     let mut chosen: Vec<DVec2> = Vec::new();
     for (value, ab) in &seeds {
-        let apart = |c: &DVec2| (*c - *ab).length() > 0.15 * polar.radius((*ab - *c).normalize_or(DVec2::X));
+        let apart = |c: &DVec2| (*c - *ab).length() > APART * polar.radius((*ab - *c).normalize_or(DVec2::X));
         if value.is_finite() && chosen.len() < simplices && chosen.iter().all(apart) {
             chosen.push(*ab);
         }
     }
     let mut best: Option<(f64, DVec2, f64, Termination)> = None;
+    let size = 0.08 * polar.radius(DVec2::X).min(polar.radius(DVec2::Y));
     for start in chosen {
-        let size = 0.08 * polar.radius(DVec2::X).min(polar.radius(DVec2::Y));
         let (ab, value, spread, termination) = simplex(&mut value_at, start, size, tolerance);
         if best.is_none_or(|b| value < b.0) {
             best = Some((value, ab, spread, termination));
         }
     }
-    let (_, ab, spread, termination) = best?;
+    let (mut value, mut ab, mut spread, mut termination) = best?;
+    // A simplex may fold up on a kink before the minimum: a fresh one tells, and goes on.
+    for _ in 0..FRESH_SIMPLICES {
+        let again = simplex(&mut value_at, ab, 0.5 * size, tolerance);
+        let gained = value - again.1;
+        if gained > 0.0 {
+            (ab, value, spread, termination) = again;
+        }
+        if gained <= tolerance * value.abs() {
+            break;
+        }
+    }
     let mut fit = finish(problem, ab, evaluations, spread, tolerance, termination)?;
     if effort == Effort::Exhaustive
         && let Some(dense) = minimise_exhaustive(problem, tolerance)

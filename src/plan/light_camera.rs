@@ -34,6 +34,9 @@ pub(super) fn light_camera(map: &JudgedMap) -> Result<LightCamera, String> {
     } else {
         perspective(region, m, [c, a])
     };
+    if !(frustum.near >= 0.0 && frustum.near < frustum.far && frustum.far.is_finite()) {
+        return Err("its depth range has no far plane in front of the light: use the matrix".to_owned());
+    }
     let projection =
         if region.space.directional { LightProjection::Orthographic } else { LightProjection::Perspective };
     let camera =

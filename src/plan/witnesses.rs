@@ -56,19 +56,21 @@ impl<F: Fn(DVec3) -> bool> Place<'_, F> {
         self.back(cells.map(|cell| DVec3::from(cell.map(at))))
     }
 
-    /// Points beside those receivers that lie farthest out, at several depths.
+    /// Points beside those receivers that lie farthest out, at several depths: in between, and as near to theirs as beside.
     fn beside(&self, inside: &[Seen]) -> Vec<DVec3> {
         let about = extremes(inside, |s| s.position).into_iter().filter_map(|s| self.window(s.position));
-        self.back(about.flat_map(|at| {
-            let sides = [-1.0, 0.0, 1.0];
-            BESIDE.map(|k| 0.5_f64.powi(k)).flat_map(move |step| {
-                sides.into_iter().flat_map(move |u| {
-                    sides.into_iter().flat_map(move |v| {
-                        [0.25, 0.5, 0.75, at.z].map(|depth| DVec3::new(at.x + u * step, at.y + v * step, depth))
-                    })
-                })
-            })
-        }))
+        let sides = [-1.0, 0.0, 1.0];
+        let steps: Vec<f64> = BESIDE.map(|k| 0.5_f64.powi(k)).collect();
+        let mut window = Vec::new();
+        for at in about {
+            let depths: Vec<f64> =
+                [0.25, 0.5, 0.75, at.z].into_iter().chain(steps.iter().map(|step| at.z - step)).collect();
+            for (step, u, v) in steps.iter().flat_map(|s| sides.into_iter().flat_map(move |u| sides.map(|v| (s, u, v))))
+            {
+                window.extend(depths.iter().map(|depth| DVec3::new(at.x + u * step, at.y + v * step, *depth)));
+            }
+        }
+        self.back(window.into_iter())
     }
 
     /// Takes map coordinates and depth back to the scene, where a point there looks the map up.
@@ -107,8 +109,10 @@ pub(super) fn witnesses<F: Fn(DVec3) -> bool>(place: &Place<'_, F>, inside: &[Se
             break;
         }
         let points = if beside { place.beside(inside) } else { place.lattice() };
-        let farthest = extremes(&points, |p| place.window(*p).unwrap_or_default());
-        let answered: Vec<(DVec3, bool)> = farthest.into_iter().map(|p| (*p, place.is_shadowed(*p))).collect();
+        let window: Vec<DVec3> = points.iter().map(|p| place.window(*p).unwrap_or_default()).collect();
+        let farthest = extremes(&points, |p| place.window(*p).unwrap_or_default()).into_iter().copied();
+        let body = spanning(&window).into_iter().flat_map(|(of, _)| of.map(|k| points[k]));
+        let answered: Vec<(DVec3, bool)> = farthest.chain(body).map(|p| (p, place.is_shadowed(p))).collect();
         for witness in written(place, &answered) {
             if !found.contains(&witness) {
                 found.push(witness);
@@ -136,16 +140,24 @@ pub(super) fn lacking(witnesses: &[Witness]) -> Option<String> {
     (height(&window) <= FLAT).then(|| format!("{n} witnesses, all in one plane"))
 }
 
-/// Distance of the farthest point from a plane through three others, chosen one after the other as far off as can be.
+/// Distance of the farthest point from a plane through three others.
 fn height(points: &[DVec3]) -> f64 {
-    let Some(a) = points.first().copied() else { return 0.0 };
+    spanning(points).map_or(0.0, |(_, height)| height)
+}
+
+/// Four points of a body, each chosen as far as can be from the point, line and plane of those before it, by number, with
+/// the distance of the fourth from the plane of the others; `None` without points.
+fn spanning(points: &[DVec3]) -> Option<([usize; 4], f64)> {
+    let a = *points.first()?;
     let farthest = |distance: &dyn Fn(DVec3) -> f64| {
-        points.iter().copied().max_by(|p, q| distance(*p - a).total_cmp(&distance(*q - a))).unwrap_or(a)
+        (0..points.len()).max_by(|i, j| distance(points[*i] - a).total_cmp(&distance(points[*j] - a))).unwrap_or(0)
     };
-    let along = (farthest(&|d| d.length()) - a).normalize_or_zero();
+    let b = farthest(&|d| d.length());
+    let along = (points[b] - a).normalize_or_zero();
     let c = farthest(&|d| d.reject_from_normalized(along).length());
-    let normal = along.cross(c - a).normalize_or_zero();
-    points.iter().map(|p| (*p - a).dot(normal).abs()).fold(0.0, f64::max)
+    let normal = along.cross(points[c] - a).normalize_or_zero();
+    let d = farthest(&|d| d.dot(normal).abs());
+    Some(([0, b, c, d], (points[d] - a).dot(normal).abs()))
 }
 
 /// The farthest items in eight directions; of equals the first.
