@@ -2,7 +2,8 @@
 //!
 //! The p-norm and saturating metrics are minimised by reweighting: each round's 36 moments are those of the quadratic
 //! that touches the metric at the present displacement (iteratively reweighted least squares), always from the base
-//! weights. The largest displacement is minimised by Lawson's reweighting instead. The iterate with the lowest metric of its own is kept, not the last.
+//! weights. The largest displacement is minimised by Lawson's reweighting instead. The iterate with the lowest metric of
+//! its own is kept, not the last.
 
 use super::plane::Plane;
 use super::region::{Region, Report, texel_rows};
