@@ -62,12 +62,8 @@ pub(crate) fn normalised(samples: &EdgeSamples, by: &Normalisation) -> EdgeSampl
     for i in 0..samples.len() {
         let (q, t) = by.vectors(samples.q[i], samples.t[i]);
         let (length_px, room_px) = (samples.length_px[i], samples.room_px[i]);
-        out.push(
-            q,
-            t,
-            det / samples.inverse_volume[i],
-            &FilmEdge { normal: DVec2::X, length_px, room_px, uncertain: false },
-        );
+        let edge = FilmEdge { normal: DVec2::X, length_px, room_px, uncertain: samples.uncertain[i] };
+        out.push(q, t, det / samples.inverse_volume[i], &edge);
         // c of an edge is a cross product: it goes with the cofactors.
         out.edge_vector[i] = cofactors(&by.normal_from_plane) * samples.edge_vector[i];
     }

@@ -11,8 +11,7 @@ use crate::measure::{Outside, Receivers};
 use crate::methods::Method;
 use crate::resolution::{Bound, Certified, FittedLight, JudgedMap, Planned};
 use crate::scene::{Film, Light, VisibilitySource};
-use crate::visibility::Answer;
-use crate::visibility::EDGE_ON_DEGREES;
+use crate::visibility::{Answer, EDGE_ON_DEGREES};
 use std::time::Instant;
 
 /// Plans one light. `timings` adds wall time; `given` are the regions to measure, where they are not to be fitted here.

@@ -110,9 +110,11 @@ pub(super) fn witnesses<F: Fn(DVec3) -> bool>(place: &Place<'_, F>, inside: &[Se
         }
         let points = if beside { place.beside(inside) } else { place.lattice() };
         let window: Vec<DVec3> = points.iter().map(|p| place.window(*p).unwrap_or_default()).collect();
-        let farthest = extremes(&points, |p| place.window(*p).unwrap_or_default()).into_iter().copied();
-        let body = spanning(&window).into_iter().flat_map(|(of, _)| of.map(|k| points[k]));
-        let answered: Vec<(DVec3, bool)> = farthest.chain(body).map(|p| (p, place.is_shadowed(p))).collect();
+        let numbers: Vec<usize> = (0..points.len()).collect();
+        let farthest = extremes(&numbers, |k| window[*k]).into_iter().copied();
+        let body = spanning(&window).into_iter().flat_map(|(of, _)| of);
+        let answered: Vec<(DVec3, bool)> =
+            farthest.chain(body).map(|k| (points[k], place.is_shadowed(points[k]))).collect();
         for witness in written(place, &answered) {
             if !found.contains(&witness) {
                 found.push(witness);

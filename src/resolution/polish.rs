@@ -135,18 +135,22 @@ impl Part<'_> {
     fn best(&self, judge: &mut Judge, region: &Region, measured: &mut u64) -> Result<Option<JudgedMap>, RasterError> {
         let solver = self.question.solver;
         let Some(own) = self.measure(judge, region, f64::INFINITY)? else { return Ok(None) };
+        let asked = solver.measured_rounds.saturating_mul(MAPS_A_ROUND);
+        let (lines, mut left) = if self.smaller { (1, asked.min(REFITTED)) } else { (LINES, asked) };
         let mut starts = vec![own];
         for region in self.others(&region.domain) {
             *measured += 1;
-            starts.extend(self.measure(judge, &region, f64::INFINITY)?);
+            // One that is no better than the last of as many as are wanted need not be counted to its end.
+            let limit = starts.get(lines - 1).map_or(f64::INFINITY, |start| start.0);
+            if let Some(found) = self.measure(judge, &region, limit)? {
+                // Of equals the first.
+                starts.insert(starts.partition_point(|start| start.0 <= found.0), found);
+                starts.truncate(lines);
+            }
         }
-        // Of equals the first: the sort is stable.
-        starts.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let asked = solver.measured_rounds.saturating_mul(MAPS_A_ROUND);
-        let (lines, mut left) = if self.smaller { (1, asked.min(REFITTED)) } else { (LINES, asked) };
         let early = if lines > 1 { asked / EARLY } else { 0 };
         let mut lead: Option<Line> = None;
-        for (number, best) in starts.into_iter().take(lines).enumerate() {
+        for (number, best) in starts.into_iter().enumerate() {
             let mut line = Line { best, nearby: Nearby::new(number as u64), steps: 0 };
             self.follow(judge, &mut line, early, measured)?;
             left -= early;
