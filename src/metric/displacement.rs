@@ -33,8 +33,8 @@ impl Displacement {
 #[derive(Clone, Copy, Debug)]
 pub struct TexelRows {
     /// p1 × p4 / det and p2 × p4 / det.
-    cofactors: [DVec3; 2],
-    p4: DVec3,
+    pub(super) cofactors: [DVec3; 2],
+    pub(super) p4: DVec3,
 }
 
 impl TexelRows {

@@ -13,6 +13,7 @@ mod derivatives;
 mod displacement;
 mod minimax;
 mod moments;
+mod pass;
 mod weights;
 
 pub use displacement::{Displacement, TexelRows, inverse_jacobian_norm2};

@@ -8,6 +8,7 @@
 //! M is symmetric in ab and in cd: 6 x 6 sums. One pass over the samples builds it; afterwards a value costs the same
 //! whatever their number. Moments in one light frame add, over tiles, threads and frames.
 
+use super::pass::{BLOCK, Each, LANES};
 use glam::{DMat3, DVec3};
 
 /// Index pairs of a symmetric 3x3 matrix in the order xx, xy, xz, yy, yz, zz.
@@ -113,6 +114,40 @@ impl Moments {
         }
         worst
     }
+}
+
+/// [`Moments`] of samples that come in blocks, in a few sums each.
+#[derive(Default)]
+pub(super) struct Sums([[[f64; LANES]; 6]; 6]);
+
+impl Sums {
+    /// Adds samples: q, one vector c and k / V² of each.
+    #[inline(always)]
+    pub(super) fn add(&mut self, q: &[Each; 3], c: &[Each; 3], k: &Each) {
+        let cc = PAIRS.map(|(a, b)| product(&c[a], &c[b]));
+        for (row, (a, b)) in self.0.iter_mut().zip(PAIRS) {
+            let f = product(k, &product(&q[a], &q[b]));
+            for (sums, c) in row.iter_mut().zip(&cc) {
+                for (i, term) in product(&f, c).into_iter().enumerate() {
+                    sums[i % LANES] += term;
+                }
+            }
+        }
+    }
+
+    /// All of them.
+    pub(super) fn total(&self) -> Moments {
+        Moments { sums: self.0.map(|row| row.map(|sums| sums.iter().sum())) }
+    }
+}
+
+#[inline(always)]
+fn product(a: &Each, b: &Each) -> Each {
+    let mut product = [0.0; BLOCK];
+    for (i, p) in product.iter_mut().enumerate() {
+        *p = a[i] * b[i];
+    }
+    product
 }
 
 fn symmetric([xx, xy, xz, yy, yz, zz]: [f64; 6]) -> DMat3 {

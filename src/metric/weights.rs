@@ -1,6 +1,7 @@
 //! What is minimised, and the quadratic that stands in for it in one round of reweighting (math note §5).
 
 use super::minimax::largest;
+use super::pass::pass;
 use super::{EdgeSamples, Moments, TexelRows, inverse_jacobian_norm2};
 use glam::DVec3;
 use schemars::JsonSchema;
@@ -26,7 +27,7 @@ pub enum Metric {
 pub const UNCERTAIN_WEIGHT: f64 = 0.15;
 
 /// Length of a sample as it counts in the metrics of wrong pixels. (SOSM's sum takes every sample alike.)
-fn counted_px(samples: &EdgeSamples, i: usize) -> f64 {
+pub(super) fn counted_px(samples: &EdgeSamples, i: usize) -> f64 {
     samples.length_px[i] * if samples.uncertain[i] { UNCERTAIN_WEIGHT } else { 1.0 }
 }
 
@@ -90,32 +91,8 @@ pub fn cost_and_moments(samples: &EdgeSamples, metric: Metric, rows: &[DVec3; 3]
         let (_, moments) = cost_and_moments(samples, Metric::Displacement, rows);
         return (cost(samples, metric, rows), moments);
     }
-    let rows = TexelRows::new(rows);
-    let (mut sum, mut moments) = (0.0, Moments::default());
-    for i in 0..samples.len() {
-        let (room, length) = (samples.room_px[i], counted_px(samples, i));
-        let d = rows.displacement(samples, i).expected();
-        let at_least = if d > DISPLACEMENT_MIN_PX { d } else { DISPLACEMENT_MIN_PX };
-        let (cost, weight) = match metric {
-            // With s = 1 + d/room: cost d/s and weight 1/(d s²), by a single division.
-            Metric::Saturating if d.is_finite() => {
-                let inverse = 1.0 / (at_least * (room + at_least));
-                let cost = if d == at_least { d * d * room * inverse } else { saturated(d, room) };
-                (cost, at_least * (room * inverse) * (room * inverse))
-            }
-            Metric::Saturating => (room, 0.0),
-            Metric::Displacement | Metric::L2 | Metric::Minimax => (d, 1.0 / at_least),
-        };
-        sum += length * cost;
-        let k = length * weight * samples.inverse_volume[i] * samples.inverse_volume[i];
-        moments.add_scaled(samples.q[i], samples.edge_vector[i], k);
-    }
-    (sum, moments)
+    pass(samples, metric == Metric::Saturating, &TexelRows::new(rows))
 }
-
-/// Smallest displacement, pixels, that a weight k_s / k0_s of math note §5 distinguishes: nothing is gained below a
-/// hundredth of a pixel.
-const DISPLACEMENT_MIN_PX: f64 = 0.01;
 
 #[cfg(test)]
 mod tests {
