@@ -34,10 +34,15 @@ pub(super) fn read(
     };
     let text = clean(bytes);
     let mut found = tobj::load_obj_buf(&mut text.as_bytes(), &options, loader);
-    if matches!(found, Err(tobj::LoadError::FaceColorOutOfBounds)) {
+    let mended = match found {
         // Colours on some vertices only; none of them is asked for.
+        Err(tobj::LoadError::FaceColorOutOfBounds) => Some(without_colours(&text)),
+        Err(tobj::LoadError::MaterialParseError) => Some(with_material_names(&text)),
+        _ => None,
+    };
+    if let Some(text) = mended {
         libraries.borrow_mut().clear();
-        found = tobj::load_obj_buf(&mut without_colours(&text).as_bytes(), &options, loader);
+        found = tobj::load_obj_buf(&mut text.as_bytes(), &options, loader);
     }
     let (objects, materials) = found.map_err(|error| match flawed_line(&text) {
         Some((number, line)) => fail(format!("line {number}"), format!("{error}: {line:?}; export the file again")),
@@ -138,12 +143,19 @@ fn read_libraries(path: &Path, names: &[PathBuf], (blend, reach): (BlendRule, Re
     library
 }
 
-/// Text that tobj accepts: Latin-1 where it is not UTF-8 (names and comments of old exporters), lines that end in `\`
-/// joined with the next.
+/// Text that tobj accepts: UTF-16 where the file begins so, Latin-1 where it is not UTF-8 (names and comments of old
+/// exporters), lines that end in `\` joined with the next.
 fn clean(bytes: &[u8]) -> String {
-    let text = match std::str::from_utf8(bytes) {
-        Ok(text) => text.to_owned(),
-        Err(_) => bytes.iter().map(|&byte| char::from(byte)).collect(),
+    let utf16 = |pairs: &[u8], unit: fn([u8; 2]) -> u16| {
+        String::from_utf16_lossy(&pairs.as_chunks().0.iter().map(|pair| unit(*pair)).collect::<Vec<_>>())
+    };
+    let text = match bytes {
+        [0xff, 0xfe, rest @ ..] => utf16(rest, u16::from_le_bytes),
+        [0xfe, 0xff, rest @ ..] => utf16(rest, u16::from_be_bytes),
+        _ => match std::str::from_utf8(bytes) {
+            Ok(text) => text.strip_prefix('\u{feff}').unwrap_or(text).to_owned(),
+            Err(_) => bytes.iter().map(|&byte| char::from(byte)).collect(),
+        },
     };
     if text.contains('\\') { text.replace("\\\r\n", " ").replace("\\\n", " ") } else { text }
 }
@@ -155,6 +167,11 @@ fn without_colours(text: &str) -> String {
         _ => format!("{line}\n"),
     };
     text.lines().map(line).collect()
+}
+
+/// Text in which faces of a material without a name have one that no library has.
+fn with_material_names(text: &str) -> String {
+    text.lines().map(|line| if line.trim() == "usemtl" { "usemtl ?\n".into() } else { format!("{line}\n") }).collect()
 }
 
 /// Most characters of a line that are quoted.

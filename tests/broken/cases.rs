@@ -118,6 +118,9 @@ fn containers() -> Vec<(&'static str, Build)> {
         }),
         ("json broken", |f| file(f, "scene.gltf", br#"{ "asset": { "version": "2.0" }, "nodes": [ }"#)),
         ("gltf of version 1", |f| set(f, "/asset/version", json!("1.0"))),
+        ("gltf of version 1, properties by name", |f| {
+            file(f, "scene.gltf", br#"{ "asset": { "version": "1.0" }, "nodes": { "a": {} } }"#)
+        }),
         ("buffer missing", |f| with_uri(f, "triangle.bin")),
         ("buffer too short", |f| {
             write(f, "triangle.bin", &[0; 35]);

@@ -172,6 +172,13 @@ fn obj_files_with_their_quirks() {
     assert_eq!(shot.scene.still.len(), 3 + 1);
     assert!(shot.scene.still.iter().all(|t| area(t) > 0.0));
     assert_eq!(shot.scene.still[..3].iter().map(area).sum::<f32>(), 10.0);
+    // A material without a name; UTF-16, and a byte order mark before UTF-8.
+    let triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl \nf 1 2 3\n";
+    let utf16 = |unit: fn(u16) -> [u8; 2]| "\u{feff}".chars().chain(triangle.chars()).flat_map(move |c| unit(c as u16));
+    let utf8 = format!("\u{feff}{triangle}").into_bytes();
+    for text in [utf8, utf16(u16::to_le_bytes).collect(), utf16(u16::to_be_bytes).collect()] {
+        assert_eq!(load(&text).unwrap().scene.still.len(), 1);
+    }
     // World coordinates keep what f32 would lose.
     let far = load(b"v 500000.125 0 0\nv 500000.375 0 0\nv 500000.125 0.25 0\nf 1 2 3\n").unwrap();
     let [a, b, _] = far.scene.still[0];

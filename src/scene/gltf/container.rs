@@ -39,7 +39,8 @@ pub(super) fn locate(path: &Path, bytes: &[u8]) -> Result<Container, SceneError>
     };
     let version = word(4)?;
     if version != 2 {
-        return Err(fail(format!("version {version} is not 2")));
+        let problem = format!("version {version} is not 2; convert the file to glTF 2.0");
+        return Err(malformed(path, "GLB container", problem));
     }
     let length = word(8)? as usize;
     if length > bytes.len() {

@@ -41,6 +41,7 @@ properties! {
         extensions_required: Vec<String>,
         extensions: DocumentExtensions,
     }
+    AnyVersion { asset: Asset, }
     Asset { version: String, }
     SceneEntry { name: Option<String>, nodes: Vec<usize>, }
     DocumentExtensions {
@@ -227,14 +228,17 @@ impl Attributes {
 /// [`SceneError::Malformed`] with line and column.
 pub(super) fn parse(path: &Path, json: &[u8]) -> Result<Document, SceneError> {
     let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
-    let document: Document = serde_json::from_slice(json)
-        .map_err(|error| malformed(path, "glTF JSON", format!("{error}; export the file again")))?;
-    let version = &document.asset.version;
-    if !version.starts_with("2.") {
+    let parsed = serde_json::from_slice::<Document>(json);
+    // Other versions may have other types: why it fails comes after which it is.
+    let version = match &parsed {
+        Ok(document) => Some(document.asset.version.clone()),
+        Err(_) => serde_json::from_slice::<AnyVersion>(json).ok().map(|any| any.asset.version),
+    };
+    if let Some(version) = version.filter(|version| !version.starts_with("2.")) {
         let problem = format!("version {version:?} is not 2.x; convert the file to glTF 2.0");
         return Err(malformed(path, "asset", problem));
     }
-    Ok(document)
+    parsed.map_err(|error| malformed(path, "glTF JSON", format!("{error}; export the file again")))
 }
 
 /// A [`SceneError::Malformed`].
