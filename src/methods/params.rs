@@ -134,7 +134,7 @@ impl Default for SolverParams {
             rounds: 6,
             tolerance: 0.001,
             effort: Effort::default(),
-            measured_rounds: 12,
+            measured_rounds: 16,
             maps: 4,
             max_maps: 4,
             min_saving: 0.15,

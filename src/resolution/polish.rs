@@ -29,6 +29,9 @@ const MAPS_A_ROUND: u32 = 8;
 /// The first maps near the best one keep the metric's own affine part and only move p4: coarse steps first.
 const REFITTED: u32 = 2 * MAPS_A_ROUND;
 
+/// Of a map with more texels than are measured only coarse steps are taken: [`REFITTED`] at most, or this part of all.
+const COARSE: u32 = 8;
+
 /// Maps that steps begin at: the best of the metrics' and methods' answers.
 const LINES: usize = 4;
 
@@ -136,7 +139,8 @@ impl Part<'_> {
         let solver = self.question.solver;
         let Some(own) = self.measure(judge, region, f64::INFINITY)? else { return Ok(None) };
         let asked = solver.measured_rounds.saturating_mul(MAPS_A_ROUND);
-        let (lines, mut left) = if self.smaller { (1, asked.min(REFITTED)) } else { (LINES, asked) };
+        let (lines, mut left) =
+            if self.smaller { (1, asked.min(REFITTED).max(asked / COARSE)) } else { (LINES, asked) };
         let mut starts = vec![own];
         for region in self.others(&region.domain) {
             *measured += 1;
@@ -167,7 +171,7 @@ impl Part<'_> {
     fn follow(&self, judge: &mut Judge, line: &mut Line, steps: u32, measured: &mut u64) -> Result<(), RasterError> {
         for _ in 0..steps {
             let here = &line.best.1.region;
-            let candidate = if line.steps < REFITTED {
+            let candidate = if self.smaller || line.steps < REFITTED {
                 refitted(&self.inputs, here, line.nearby.warp())
             } else {
                 near(&self.inputs, here, &line.nearby.step())

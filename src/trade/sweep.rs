@@ -35,7 +35,7 @@ const FACTORS: [Factor; 9] = [
     Factor { name: "method", key: "solver.method", values: &["\"scene-optimal\""] },
     Factor { name: "metric", key: "solver.metric", values: &["\"displacement\"", "\"l2\""] },
     Factor { name: "rounds", key: "solver.rounds", values: &["0", "2", "6", "12"] },
-    Factor { name: "measured", key: "solver.measured_rounds", values: &["0", "2", "6", "12", "25", "50"] },
+    Factor { name: "measured", key: "solver.measured_rounds", values: &["0", "2", "6", "16", "25", "50"] },
     Factor { name: "measure", key: "quality.measure", values: &["\"never\"", "\"check\"", "\"always\""] },
 ];
 
