@@ -7,8 +7,8 @@ use crate::methods::{Inapplicable, Method, SolverParams};
 use crate::plan::{FrameStage, PlanError};
 use crate::raster::{Bias, RasterError};
 use crate::resolution::{
-    Drawing, FilmQuestion, FittedLight, Judge, OnFilm, choose, default_bias, fit_light, fit_texels, polish, polishes,
-    predict, texels,
+    Drawing, FilmQuestion, FittedLight, Judge, OnFilm, Turn, choose, default_bias, fit_light, fit_texels, polish,
+    polishes, predict, texels,
 };
 use crate::samples::LightSamples;
 use crate::scene::Light;
@@ -122,7 +122,7 @@ fn measure(
             if same && polishes(question.solver) {
                 let sizes = budget::sizes(&fitted.regions, &fitted.shares, texels);
                 let (bias, _) = answers(question, &sizes, judge, params.bias)?;
-                polish(question, samples, fitted, judge, &Drawing { size: &budget::size, bias })?;
+                polish(question, samples, fitted, judge, &Drawing { size: &budget::size, bias }, Turn::ONLY)?;
             }
             (budget::sizes(&fitted.regions, &fitted.shares, texels), None)
         }

@@ -4,7 +4,7 @@ use super::bias::{default_bias, measured_bias};
 use super::fitted::{bound_limit, predict, predicted_bound, predicted_limit};
 use super::judge::Judge;
 use super::{
-    Bound, Drawing, FilmQuestion, FittedLight, Measure, Probe, SizeGrid, grown, polish, polishes, size_on_grid,
+    Bound, Drawing, FilmQuestion, FittedLight, Measure, Probe, SizeGrid, Turn, grown, polish, polishes, size_on_grid,
     smallest, texels,
 };
 use crate::measure::{Drawn, Verdict};
@@ -84,8 +84,8 @@ pub fn choose(
     refined(question, samples, fitted, judge, first)
 }
 
-/// Better matrices than those of a certificate, at its size and with its bias, and the size that these need; the same where
-/// there are none.
+/// Better matrices than those of a certificate, at its size and with its bias, and the size that these need, in turns; the
+/// same where there are none.
 pub fn refined(
     question: &FilmQuestion,
     samples: &LightSamples,
@@ -96,17 +96,22 @@ pub fn refined(
     if !polishes(question.solver) {
         return Ok(first);
     }
-    fitted.texels = texels(&first.sizes) as f64;
-    let before = (fitted.clone(), judge.maps.clone());
     let size = |aspect: f64, texels: f64| size_on_grid(question.map, aspect, texels);
-    polish(question, samples, fitted, judge, &Drawing { size: &size, bias: first.bias })?;
-    let polished = smallest_size(question, fitted, judge, first.bias, None)?;
-    // What is better at one size may be worse at the sizes that count.
-    if polished.serves_as_well_as(&first) {
-        return Ok(polished);
+    let drawing = Drawing { size: &size, bias: first.bias };
+    let mut best = first;
+    for turn in Turn::all(question.solver, texels(&best.sizes) as f64) {
+        fitted.texels = texels(&best.sizes) as f64;
+        let before = (fitted.clone(), judge.maps.clone());
+        polish(question, samples, fitted, judge, &drawing, turn)?;
+        let polished = smallest_size(question, fitted, judge, drawing.bias, None)?;
+        // What is better at one size may be worse at the sizes that count.
+        if polished.serves_as_well_as(&best) {
+            best = polished;
+        } else {
+            (*fitted, judge.maps) = before;
+        }
     }
-    (*fitted, judge.maps) = before;
-    Ok(first)
+    Ok(best)
 }
 
 /// Chooses bias and size by measurement; with [`Measure::Check`] first the predicted size with the default bias.

@@ -23,7 +23,7 @@ pub use fitted::{
 };
 pub use judge::{Judge, JudgedMap, OnFilm, other_biases};
 pub use params::{AspectRule, BiasParams, Bound, MapParams, Measure, QualityParams, SIZE_MAX, SingleSided, TEXELS_MAX};
-pub use polish::{Drawing, polish, polishes, size_on_grid};
+pub use polish::{Drawing, Turn, polish, polishes, size_on_grid};
 pub use search::{Probe, grown, smallest};
 pub use shares::shares;
 pub use sizes::{SizeGrid, texels};

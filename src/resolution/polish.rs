@@ -40,6 +40,30 @@ const LINES: usize = 4;
 /// the floor and a scanned scene, with few things narrower than a texel, both come to the same within 1 %.
 const EARLY: u32 = 6;
 
+/// Turns that the rounds are taken in where the size is free. What is gained at one size is partly luck with its texels, so
+/// the last maps are measured at the size that comes out, or nearly. Against one turn, four save 3 % of the texels over 16
+/// lights on the courtyard and 5 % over 12 on a scanned scene, in 1.07 times the time.
+const TURNS: u32 = 4;
+
+/// The rounds that are taken of those that a job asks for.
+#[derive(Clone, Copy)]
+pub struct Turn {
+    number: u32,
+    of: u32,
+}
+
+impl Turn {
+    /// All rounds.
+    pub const ONLY: Turn = Turn { number: 0, of: 1 };
+
+    /// Turns from a size in texels on, which is settled anew in between. Where maps are measured at a smaller size there is
+    /// only one.
+    pub fn all(solver: &SolverParams, texels: f64) -> impl Iterator<Item = Turn> {
+        let of = if texels > TEXELS_MEASURED { 1 } else { TURNS.min(solver.measured_rounds) };
+        (0..of).map(move |number| Turn { number, of })
+    }
+}
+
 /// Steps from one map on.
 struct Line {
     /// The best so far, with the smallest limit that it meets.
@@ -70,13 +94,14 @@ pub fn polishes(solver: &SolverParams) -> bool {
 }
 
 /// Replaces a light's maps by better ones, and their shares of the texels, where measuring finds some, unless the job asks
-/// for none. Returns the number of maps measured.
+/// for none. Turns after the first go on from the maps as they are. Returns the number of maps measured.
 pub fn polish(
     question: &FilmQuestion,
     samples: &LightSamples,
     fitted: &mut FittedLight,
     judge: &mut Judge,
     drawing: &Drawing,
+    turn: Turn,
 ) -> Result<u64, RasterError> {
     if !polishes(question.solver) {
         return Ok(0);
@@ -109,7 +134,7 @@ pub fn polish(
         let inputs = question.inputs(samples, &covered[k], texels, question.solver);
         let visible = &Visible::new(&own.positions);
         let inputs = Inputs { edges: &edges[k], ..inputs };
-        let part = Part { question, inputs, own, visible, texels, smaller, drawing };
+        let part = Part { question, inputs, own, visible, texels, smaller, drawing, turn };
         if let Some(map) = part.best(judge, &fitted.regions[k], &mut measured)? {
             fitted.regions[k] = map.region.clone();
             judge.maps[k] = map;
@@ -131,6 +156,7 @@ struct Part<'a> {
     /// They are fewer than the map will have.
     smaller: bool,
     drawing: &'a Drawing<'a>,
+    turn: Turn,
 }
 
 impl Part<'_> {
@@ -138,11 +164,13 @@ impl Part<'_> {
     fn best(&self, judge: &mut Judge, region: &Region, measured: &mut u64) -> Result<Option<JudgedMap>, RasterError> {
         let solver = self.question.solver;
         let Some(own) = self.measure(judge, region, f64::INFINITY)? else { return Ok(None) };
-        let asked = solver.measured_rounds.saturating_mul(MAPS_A_ROUND);
-        let (lines, mut left) =
-            if self.smaller { (1, asked.min(REFITTED).max(asked / COARSE)) } else { (LINES, asked) };
+        let asked = solver.measured_rounds.saturating_mul(MAPS_A_ROUND) / self.turn.of;
+        let first = self.turn.number == 0;
+        let lines = if first && !self.smaller { LINES } else { 1 };
+        let mut left = if self.smaller { asked.min(REFITTED).max(asked / COARSE) } else { asked };
         let mut starts = vec![own];
-        for region in self.others(&region.domain) {
+        let others = if first { self.others(&region.domain) } else { Vec::new() };
+        for region in others {
             *measured += 1;
             // One that is no better than the last of as many as are wanted need not be counted to its end.
             let limit = starts.get(lines - 1).map_or(f64::INFINITY, |start| start.0);
@@ -155,7 +183,8 @@ impl Part<'_> {
         let early = if lines > 1 { asked / EARLY } else { 0 };
         let mut lead: Option<Line> = None;
         for (number, best) in starts.into_iter().enumerate() {
-            let mut line = Line { best, nearby: Nearby::new(number as u64), steps: 0 };
+            let stream = number as u64 + LINES as u64 * u64::from(self.turn.number);
+            let mut line = Line { best, nearby: Nearby::new(stream), steps: if first { 0 } else { REFITTED } };
             self.follow(judge, &mut line, early, measured)?;
             left -= early;
             if lead.as_ref().is_none_or(|lead| line.best.0 < lead.best.0) {

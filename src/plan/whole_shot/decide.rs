@@ -9,7 +9,9 @@ use super::{auto, row, window};
 use crate::job::Job;
 use crate::measure::Receivers;
 use crate::methods::Method;
-use crate::resolution::{AspectRule, Drawing, FilmQuestion, Judge, MapParams, default_bias, polish, size_on_grid};
+use crate::resolution::{
+    AspectRule, Drawing, FilmQuestion, Judge, MapParams, Turn, default_bias, polish, size_on_grid,
+};
 use crate::scene::Light;
 use crate::shot::{Asked, Hold, LightParts, Segmentation, Temporal, carry, interval_samples, segments};
 
@@ -187,7 +189,7 @@ fn polished(
     if let Ok(mut judge) = Judge::new(on, &question, &held.fitted) {
         let size = |aspect: f64, texels: f64| size_on_grid(asked.map, aspect, texels);
         let drawing = Drawing { size: &size, bias: default_bias(&asked.map.bias) };
-        polish(&question, &samples, &mut held.fitted, &mut judge, &drawing)?;
+        polish(&question, &samples, &mut held.fitted, &mut judge, &drawing, Turn::ONLY)?;
     }
     held.refit(asked);
     Ok(())
