@@ -11,6 +11,7 @@ the last row of an axis, and between the last two.
 
 import json
 import math
+import multiprocessing
 import os
 import subprocess
 import sys
@@ -55,6 +56,15 @@ def row(axis, value, result, note=""):
     return cpu
 
 
+def made(make, *arguments):
+    """Makes a scene in a process of its own: a child's peak memory starts from its parent's."""
+    maker = multiprocessing.Process(target=make, args=arguments)
+    maker.start()
+    maker.join()
+    if maker.exitcode != 0:
+        raise SystemExit(f"{make.__name__}{arguments} failed")
+
+
 def exponent(a, b):
     (x0, y0), (x1, y1) = a, b
     return math.log(y1 / y0) / math.log(x1 / x0)
@@ -70,7 +80,7 @@ class Axes:
     def hills(self, triangles):
         name = f"hills{triangles}.glb"
         if not os.path.exists(self.path(name)):
-            scenes.hills(self.path(name), triangles)
+            made(scenes.hills, self.path(name), triangles)
         return name
 
     def series(self, axis, values, job, rounds=lambda _: ROUNDS, threads=lambda _: 2, note=lambda _v, _r: ""):
@@ -119,7 +129,7 @@ class Axes:
         self.series("threads", [1, 2], lambda _: self.job(self.hills(1_000_000)), threads=lambda n: n)
 
     def instances(self):
-        scenes.instances(self.path("rocks.glb"), 77_000, 100)
+        made(scenes.instances, self.path("rocks.glb"), 77_000, 100)
         for rule in ["auto", "flatten"]:
             self.job("rocks.glb", quality=f"[map]\nmax = 2048\n[visibility]\ninstances = '{rule}'")
             row(f"instances, {rule}", 7_700_000, measured(self.lixel, self.folder, "job.toml"))

@@ -84,8 +84,8 @@ pub fn choose(
     refined(question, samples, fitted, judge, first)
 }
 
-/// Better matrices than those of a certificate, at its size and with its bias, and the size that these need, in turns; the
-/// same where there are none.
+/// Better matrices than those of a certificate, at its size and with its bias, then the bias and the size that these need, in
+/// turns; the same where there are none.
 pub fn refined(
     question: &FilmQuestion,
     samples: &LightSamples,
@@ -97,13 +97,15 @@ pub fn refined(
         return Ok(first);
     }
     let size = |aspect: f64, texels: f64| size_on_grid(question.map, aspect, texels);
-    let drawing = Drawing { size: &size, bias: first.bias };
     let mut best = first;
     for turn in Turn::all(question.solver, texels(&best.sizes) as f64) {
         fitted.texels = texels(&best.sizes) as f64;
         let before = (fitted.clone(), judge.maps.clone());
+        let drawing = Drawing { size: &size, bias: best.bias };
         polish(question, samples, fitted, judge, &drawing, turn)?;
-        let polished = smallest_size(question, fitted, judge, drawing.bias, None)?;
+        // What hides behind the bias of one map need not behind that of another.
+        let (bias, at_guess) = measured_bias(question, fitted, judge, &grid_of(question, fitted))?;
+        let polished = smallest_size(question, fitted, judge, bias, at_guess)?;
         // What is better at one size may be worse at the sizes that count.
         if polished.serves_as_well_as(&best) {
             best = polished;

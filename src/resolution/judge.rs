@@ -267,6 +267,11 @@ impl<'a> Judge<'a> {
         wrong.iter().copied().zip(self.certainty.uncertain(wrong)).filter(|(_, u)| !u).map(|(i, _)| i).collect()
     }
 
+    /// Triangles of the scene.
+    pub fn triangles(&self) -> u64 {
+        self.tracer.geometry().len() as u64
+    }
+
     /// The receivers judged.
     pub fn receivers(&self) -> &Receivers {
         self.receivers

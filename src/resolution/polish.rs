@@ -26,11 +26,12 @@ const TEXELS_MEASURED: f64 = (1u32 << 20) as f64;
 /// Maps near the best one that one of `solver.measured_rounds` measures.
 const MAPS_A_ROUND: u32 = 8;
 
+/// Triangles that a map of a round draws at most: of larger scenes fewer maps are measured, so that time does not grow with
+/// triangles times maps.
+const TRIANGLES_MEASURED: u64 = 2_000_000;
+
 /// The first maps near the best one keep the metric's own affine part and only move p4: coarse steps first.
 const REFITTED: u32 = 2 * MAPS_A_ROUND;
-
-/// Of a map with more texels than are measured only coarse steps are taken: [`REFITTED`] at most, or this part of all.
-const COARSE: u32 = 8;
 
 /// Maps that steps begin at: the best of the metrics' and methods' answers.
 const LINES: usize = 4;
@@ -162,12 +163,11 @@ struct Part<'a> {
 impl Part<'_> {
     /// The map with the fewest wrong pixels; `None` when the region itself has no depth row.
     fn best(&self, judge: &mut Judge, region: &Region, measured: &mut u64) -> Result<Option<JudgedMap>, RasterError> {
-        let solver = self.question.solver;
         let Some(own) = self.measure(judge, region, f64::INFINITY)? else { return Ok(None) };
-        let asked = solver.measured_rounds.saturating_mul(MAPS_A_ROUND) / self.turn.of;
+        let asked = self.maps_asked(judge.triangles()) / self.turn.of;
         let first = self.turn.number == 0;
         let lines = if first && !self.smaller { LINES } else { 1 };
-        let mut left = if self.smaller { asked.min(REFITTED).max(asked / COARSE) } else { asked };
+        let mut left = if self.smaller { asked.min(REFITTED) } else { asked };
         let mut starts = vec![own];
         let others = if first { self.others(&region.domain) } else { Vec::new() };
         for region in others {
@@ -196,11 +196,17 @@ impl Part<'_> {
         Ok(Some(lead.best.1))
     }
 
+    /// Maps that the job's rounds may draw of so many triangles.
+    fn maps_asked(&self, triangles: u64) -> u32 {
+        let asked = u64::from(self.question.solver.measured_rounds.saturating_mul(MAPS_A_ROUND));
+        (asked * TRIANGLES_MEASURED.min(triangles) / triangles.max(1)) as u32
+    }
+
     /// Takes steps from a line's best map, each better one the next to step from.
     fn follow(&self, judge: &mut Judge, line: &mut Line, steps: u32, measured: &mut u64) -> Result<(), RasterError> {
         for _ in 0..steps {
             let here = &line.best.1.region;
-            let candidate = if self.smaller || line.steps < REFITTED {
+            let candidate = if line.steps < REFITTED {
                 refitted(&self.inputs, here, line.nearby.warp())
             } else {
                 near(&self.inputs, here, &line.nearby.step())
