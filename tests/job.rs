@@ -83,6 +83,7 @@ fn layers_lie_in_order() {
     let from_file = job(text, "");
     assert_eq!((from_file.preset, from_file.quality.measure), (Preset::Draft, Measure::Never));
     assert_eq!((from_file.sampling.cap, from_file.solver.rounds, from_file.map.max), (2048, 7, 512));
+    assert_eq!(from_file.solver.effort, Effort::Global);
     let overridden = job(text, "preset = \"thorough\"\n[map]\nmax = 1024");
     assert_eq!((overridden.preset, overridden.quality.measure), (Preset::Thorough, Measure::Always));
     assert_eq!((overridden.solver.effort, overridden.solver.rounds, overridden.map.max), (Effort::Exhaustive, 7, 1024));

@@ -26,8 +26,8 @@ const TEXELS_MEASURED: f64 = (1u32 << 20) as f64;
 /// Maps near the best one that one of `solver.measured_rounds` measures.
 const MAPS_A_ROUND: u32 = 8;
 
-/// Triangles that a map of a round draws at most: of larger scenes fewer maps are measured, so that time does not grow with
-/// triangles times maps.
+/// Triangles of a scene up to which every map of a round is measured. Of larger ones fewer are, in inverse proportion, so that
+/// time does not grow with triangles times maps.
 const TRIANGLES_MEASURED: u64 = 2_000_000;
 
 /// The first maps near the best one keep the metric's own affine part and only move p4: coarse steps first.
