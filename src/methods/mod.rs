@@ -9,6 +9,7 @@ mod cascades;
 mod faces;
 mod focused;
 mod homography_area;
+mod in_plane;
 mod lispsm;
 mod lixel;
 mod normal;

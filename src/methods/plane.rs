@@ -1,54 +1,17 @@
 //! The covered points and edges of one region, in its light plane: what every method starts from.
 
 use super::Inputs;
+use super::in_plane::edge_samples;
 use crate::fit::{Normalisation, Shape, normalise, normalise_similar};
 use crate::math::{LightSpace, convex_hull, without_flat};
-use crate::metric::{EdgeSamples, FilmEdge, volume};
+use crate::metric::EdgeSamples;
 use crate::samples::EdgePoint;
-use glam::{DMat3, DVec2, DVec3};
+use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
-
-/// Smallest |V| relative to |q| |T_1| |T_2|: a receiver nearer to edge-on is left out, and counted. At 1e-7 a texel is
-/// spread over ten million pixels' worth of surface; f64 sums still hold its square.
-const GRAZING: f64 = 1e-7;
 
 /// Vertices of a cover that stand out by less, in normalised coordinates of extent 1, are left out: f32 vertices round by
 /// as much. A part of the border that is left free inside a map, under warps too.
 const FLAT: f64 = 1e-6;
-
-/// Edge points in the normalised coordinates of a light plane, and the number left out because the light grazes their
-/// surface or they lie behind it. More points than `cap` are thinned evenly along the edges, with lengths scaled to keep
-/// the sum.
-pub(super) fn edge_samples(
-    points: &[EdgePoint],
-    cap: usize,
-    space: &LightSpace,
-    normalisation: &Normalisation,
-) -> (EdgeSamples, u64) {
-    let count = if cap == 0 { points.len() } else { points.len().min(cap) };
-    let scale = points.len() as f64 / count.max(1) as f64;
-    let mut samples = EdgeSamples::with_capacity(count);
-    let mut grazing = 0;
-    // Light plane and normalisation in one matrix, about the plane's centre; its last row gives q3.
-    let normal_from_scene =
-        normalisation.normal_from_plane * DMat3::from_cols(space.dq(DVec3::X), space.dq(DVec3::Y), space.dq(DVec3::Z));
-    let of_centre = normalisation.normal_from_plane * space.offset;
-    for k in 0..count {
-        let point = &points[k * points.len() / count];
-        let in_plane = normal_from_scene * (point.position - space.center) + of_centre;
-        let scale_q = 1.0 / in_plane.z;
-        let q = in_plane * scale_q;
-        let t = point.derivatives.map(|d| normal_from_scene * d * scale_q);
-        let size = (q.length_squared() * t[0].length_squared() * t[1].length_squared()).sqrt();
-        let volume = volume(q, t, size);
-        if !(q.is_finite() && volume.abs() > GRAZING * size) || in_plane.z <= 0.0 {
-            grazing += 1;
-            continue;
-        }
-        samples.push(q, t, volume, &FilmEdge { length_px: point.length_px * scale, ..point.into() });
-    }
-    (samples, grazing)
-}
 
 /// A region in its light plane.
 #[derive(Debug, Deserialize, Serialize)]

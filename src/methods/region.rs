@@ -1,6 +1,7 @@
 //! What a method returns.
 
-use super::plane::{Plane, edge_samples};
+use super::in_plane::edge_samples;
+use super::plane::Plane;
 use crate::fit::{Shape, Termination};
 use crate::math::{Domain, LightSpace, RigidMotion};
 use crate::metric::{Metric, TexelRows, cost, inverse_jacobian_norm2, wrong_pixels};
