@@ -188,6 +188,12 @@ fn what_repeats_the_matrix_is_found_changed() {
         *row = row.map(|v| v * 3.0);
     };
     broken_by(|p| depth(p, 0), " look map 0 up lie out of its clip depth");
+    for light in [0, 2] {
+        let range = |p: &mut Plan, change: fn(&mut plan::MapPlan)| change(&mut p.frames[0].lights[light].maps[0]);
+        let of_range = " m away, near and far are ";
+        broken_by(|p| range(p, |m| m.near += 0.9 * (m.far - m.near)), of_range);
+        broken_by(|p| range(p, |m| m.far -= 0.9 * (m.far - m.near)), of_range);
+    }
     // Point and spot lights always have one.
     let camera = |p: &mut Plan, change: fn(&mut plan::LightCamera)| {
         change(p.frames[0].lights[2].maps[0].light_camera.as_mut().unwrap());

@@ -10,9 +10,9 @@ use serde::{Deserialize, Serialize};
 pub struct DepthRow {
     /// On (X, 1), scene space.
     pub row: DVec4,
-    /// Smallest depth kept, metres along the light.
+    /// Smallest depth kept, metres along the light: of a directional light from the plane's centre on.
     pub near_m: f64,
-    /// Largest depth kept, metres along the light.
+    /// Largest depth kept, metres, from where `near_m` is measured.
     pub far_m: f64,
     /// The row is a camera's: depth by w alone (point, spot), or by the distance along the light alone (directional).
     pub plain: bool,

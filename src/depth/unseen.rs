@@ -10,7 +10,8 @@ use glam::{DMat3, DVec3, DVec4};
 /// How far towards the light, and away from it, a map keeps what it does not see.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Unseen {
-    /// The range begins here at the latest, metres along the map's axis (directional: along the light); absent = by what
+    /// The range begins here at the latest, metres along the map's axis (directional: along the light, from the origin of the
+    /// scene); absent = by what
     /// is seen.
     pub near_m: Option<f64>,
     /// The range ends here at the earliest, likewise.
@@ -43,10 +44,11 @@ impl Kept<'_> {
         if space.directional {
             let along = |p: &DVec3| space.along(*p);
             let nearest = held.iter().map(along).fold(f64::INFINITY, f64::min);
-            let near = unseen.near_m.unwrap_or(nearest - unseen.reach_m);
+            let from_centre = |from_origin: f64| from_origin - space.center_along();
+            let near = unseen.near_m.map_or(nearest - unseen.reach_m, from_centre);
             for p in &held {
                 let (q, w, d) = (space.q(*p), p4.dot(space.q(*p)), along(p));
-                points.push(q.extend(d.max(unseen.far_m.unwrap_or(d))) / w);
+                points.push(q.extend(d.max(unseen.far_m.map_or(d, from_centre))) / w);
                 points.push(q.extend(d.min(near)) / w);
             }
         } else {
@@ -74,7 +76,8 @@ mod tests {
 
     #[test]
     fn the_range_holds_what_is_seen_and_room_towards_the_light() {
-        let floor: Vec<DVec3> = (0..100).map(|i| DVec3::new(f64::from(i % 10), 0.0, f64::from(i / 10))).collect();
+        // Above the origin, so that distances from there are not those from the floor.
+        let floor: Vec<DVec3> = (0..100).map(|i| DVec3::new(f64::from(i % 10), 7.0, f64::from(i / 10))).collect();
         let square = |side: f64| DMat3::from_diagonal(DVec3::new(1.0 / side, 1.0 / side, 1.0));
         let sun = crate::scene::Light {
             name: String::new(),
@@ -84,18 +87,18 @@ mod tests {
         let h = square(100.0) + DMat3::from_cols(DVec3::ZERO, DVec3::ZERO, DVec3::new(0.5, 0.5, 0.0));
         let range = |unseen: &Unseen| {
             let row = fit_row(&Kept::of_visible(&space, &h, &floor, &Domain::All, unseen), RowKind::Plain).unwrap();
-            [row.near_m, row.far_m]
+            [row.near_m, row.far_m].map(|m| m + space.center_along())
         };
         let close = |a: [f64; 2], b: [f64; 2]| (0..2).all(|i| (a[i] - b[i]).abs() < 1e-3);
-        assert!(close(range(&Unseen { reach_m: 12.0, ..Unseen::default() }), [-12.0, 0.0]));
+        assert!(close(range(&Unseen { reach_m: 12.0, ..Unseen::default() }), [-19.0, -7.0]));
         let stated = Unseen { near_m: Some(-30.0), far_m: Some(2.0), reach_m: 12.0 };
         assert!(close(range(&stated), [-30.0, 2.0]));
-        let within = Unseen { near_m: Some(5.0), far_m: Some(-5.0), reach_m: 1.0 };
+        let within = Unseen { near_m: Some(-2.0), far_m: Some(-12.0), reach_m: 1.0 };
         let empty = range(&within);
-        assert!(empty[0] <= 1e-3 && empty[1] >= -1e-3, "what is seen stays in: {empty:?}");
+        assert!(empty[0] <= -7.0 + 1e-3 && empty[1] >= -7.0 - 1e-3, "what is seen stays in: {empty:?}");
 
-        let lamp = DVec3::new(4.5, 4.0, 4.5);
-        let space = LightSpace::perspective(lamp, DVec3::NEG_Y, DVec3::new(4.5, 0.0, 4.5));
+        let lamp = DVec3::new(4.5, 11.0, 4.5);
+        let space = LightSpace::perspective(lamp, DVec3::NEG_Y, DVec3::new(4.5, 7.0, 4.5));
         let h = square(4.0) + DMat3::from_cols(DVec3::ZERO, DVec3::ZERO, DVec3::new(0.5, 0.5, 0.0));
         let range = |unseen: &Unseen| {
             let row = fit_row(&Kept::of_visible(&space, &h, &floor, &Domain::All, unseen), RowKind::Plain).unwrap();

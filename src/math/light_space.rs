@@ -104,6 +104,11 @@ impl LightSpace {
         self.axes[2].dot(point - self.center)
     }
 
+    /// Depth along the light of C itself, metres: from the origin of the scene for a directional light, which has no place.
+    pub fn center_along(&self) -> f64 {
+        if self.directional { self.axes[2].dot(self.center) } else { 0.0 }
+    }
+
     /// A row acting on q as a row acting on (X, 1).
     pub fn row_from_q(&self, row: DVec3) -> DVec4 {
         let [r1, r2, r3] = self.axes;

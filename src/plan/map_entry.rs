@@ -37,6 +37,8 @@ pub(super) fn map_entry(
         Ok(camera) => (Some(camera), None),
         Err(reason) => (None, Some(reason)),
     };
+    // Of the region's own plane, which goes with a light that moves.
+    let from_origin = map.region.space.center_along();
     let (witnesses, witnesses_reason) = witnesses(&Place { m, light, tracer, answers: &answers }, &inside);
     MapPlan {
         method,
@@ -44,8 +46,8 @@ pub(super) fn map_entry(
         clip_from_world: rows_of(m),
         width: size[0],
         height: size[1],
-        near: map.depth.near_m,
-        far: map.depth.far_m,
+        near: map.depth.near_m + from_origin,
+        far: map.depth.far_m + from_origin,
         bias: MapBias {
             constant: bias.constant,
             slope: bias.slope,

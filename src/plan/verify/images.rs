@@ -59,7 +59,7 @@ fn check(seen: &ImagesFrame, frame: i64, entry: &LightPlan, light: &Light, job: 
     check.reasons.extend(status_faults(entry, &receivers, job));
     check.reasons.extend(domain_fault(&receivers, &maps, job));
     check.reasons.extend(cover_fault(&receivers, &maps, job));
-    check.reasons.extend(restated::faults(entry, &receivers, &maps, job));
+    check.reasons.extend(restated::faults(entry, light, &receivers, &maps, job));
     let seen_points = seen_by(&receivers, |pixel| seen.film.surface(pixel));
     check.reasons.extend(units::faults(entry, light, &seen_points));
     witnesses(&mut check, entry, |point| shadowed_at(seen, &receivers, light, point));

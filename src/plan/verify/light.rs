@@ -53,7 +53,7 @@ pub(super) fn check(
     check.reasons.extend(status_faults(entry, &measured.receivers, job));
     check.reasons.extend(domain_fault(&measured.receivers, &measured.drawn, job));
     check.reasons.extend(count_faults(seeing, entry, &measured.verdict, of_pixels, job));
-    check.reasons.extend(restated::faults(entry, &measured.receivers, &measured.drawn, job));
+    check.reasons.extend(restated::faults(entry, light, &measured.receivers, &measured.drawn, job));
     if knew_pixels(job) && !entry.maps.is_empty() {
         let seen = seen_on_film(seeing.tracer, seeing.view, seeing.camera, &measured.receivers);
         check.reasons.extend(units::faults(entry, light, &seen));

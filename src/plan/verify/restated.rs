@@ -6,17 +6,28 @@ use super::light::knew_pixels;
 use crate::job::Job;
 use crate::math::{first_holding, matrix_from_rows};
 use crate::measure::{Drawn, Receivers};
+use crate::scene::{Light, LightKind};
 use glam::{DMat4, DQuat, DVec3, DVec4};
 
 /// Part of a row's largest entry by which the matrix of a light camera may differ. Its near plane is a difference of
 /// nearly equal numbers, and loses `far / near` roundings; this allows for 10⁶ of them.
 const CAMERA_ACCURACY: f64 = 1e-9;
 
+/// Part of a map's depth range by which a receiver may lie nearer than `near` or farther than `far`: the search for them may
+/// pass over what is nearer still, or farther, by less. The matrix's own range leaves more free.
+const RANGE_ACCURACY: f64 = 1e-3;
+
 /// What does not hold of the maps of a light.
-pub(super) fn faults(entry: &LightPlan, receivers: &Receivers, drawn: &[Drawn], job: &Job) -> Vec<String> {
+pub(super) fn faults(
+    entry: &LightPlan,
+    light: &Light,
+    receivers: &Receivers,
+    drawn: &[Drawn],
+    job: &Job,
+) -> Vec<String> {
     let mut faults = Vec::new();
     if knew_pixels(job) {
-        faults.extend(range_faults(receivers, drawn));
+        faults.extend(range_faults(entry, light, receivers, drawn));
     }
     for (k, map) in entry.maps.iter().enumerate() {
         let camera = map.light_camera.as_ref();
@@ -30,18 +41,39 @@ pub(super) fn faults(entry: &LightPlan, receivers: &Receivers, drawn: &[Drawn], 
     faults
 }
 
-/// Receivers that look a map up lie within its clip depth. No tolerance: planning leaves a margin free at both ends.
-fn range_faults(receivers: &Receivers, drawn: &[Drawn]) -> Vec<String> {
+/// Receivers that look a map up lie within its clip depth, without tolerance, because planning leaves a margin free at both
+/// ends; and in metres between `near` and `far`.
+fn range_faults(entry: &LightPlan, light: &Light, receivers: &Receivers, drawn: &[Drawn]) -> Vec<String> {
     let mut clipped = vec![0_u64; drawn.len()];
+    let mut reach = vec![[f64::INFINITY, f64::NEG_INFINITY]; drawn.len()];
     for point in &receivers.positions {
         let Some(k) = first_holding(drawn.iter().map(|d| &d.domain), *point) else { continue };
-        let clip = drawn[k].clip_from_scene * point.extend(1.0);
+        let m = &drawn[k].clip_from_scene;
+        let clip = *m * point.extend(1.0);
         let inside = |c: f64| c >= -clip.w && c < clip.w;
         let looks_up = clip.w > 0.0 && inside(clip.x) && inside(clip.y);
         clipped[k] += u64::from(looks_up && clip.z.abs() > clip.w);
+        if looks_up {
+            let metres = match light.kind {
+                LightKind::Directional { direction } => direction.dot(*point),
+                LightKind::Point { .. } | LightKind::Spot { .. } => clip.w / m.row(3).truncate().length(),
+            };
+            reach[k] = [reach[k][0].min(metres), reach[k][1].max(metres)];
+        }
     }
-    let fault = |(k, n): (usize, u64)| format!("{n} pixels that look map {k} up lie out of its clip depth");
-    clipped.into_iter().enumerate().filter(|(_, n)| *n > 0).map(fault).collect()
+    let clipped = clipped.into_iter().enumerate().filter(|(_, n)| *n > 0);
+    let mut faults: Vec<String> =
+        clipped.map(|(k, n)| format!("{n} pixels that look map {k} up lie out of its clip depth")).collect();
+    for ((k, map), [low, high]) in entry.maps.iter().enumerate().zip(reach) {
+        let free = RANGE_ACCURACY * (map.far - map.near);
+        if low < map.near - free || high > map.far + free {
+            let (near, far) = (map.near, map.far);
+            faults.push(format!(
+                "pixels that look map {k} up lie {low} m to {high} m away, near and far are {near} and {far}"
+            ));
+        }
+    }
+    faults
 }
 
 /// Whether a camera, written out as glFrustum or glOrtho would, is the map's matrix but for a factor.
