@@ -11,8 +11,7 @@ use glam::{DMat3, DVec3, DVec4};
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Unseen {
     /// The range begins here at the latest, metres along the map's axis (directional: along the light, from the origin of the
-    /// scene); absent = by what
-    /// is seen.
+    /// scene); absent = by what is seen.
     pub near_m: Option<f64>,
     /// The range ends here at the earliest, likewise.
     pub far_m: Option<f64>,

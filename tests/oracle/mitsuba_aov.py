@@ -1,16 +1,16 @@
 #!/usr/bin/env python3
 """Plans from the images of another renderer, Mitsuba 3, and measures that plan on the geometry.
 
-    python3 tests/oracle/mitsuba_aov.py JOB --frame 30 [--samples 16] [--depth planar|distance] [--lixel PATH] [--keep DIR]
+    python3 tests/oracle/mitsuba_aov.py JOB --frame 30 [--samples 16] [--depth planar|distance] [--own] [--lixel PATH] [--keep DIR]
 
 Plans the frame twice from predictions alone (quality.measure = "never"): from the scene, and from a depth and shadow layers
 that Mitsuba renders of it. Then has `lixel verify` draw and count both on the geometry, the second one at the texels of
 the first, and prints per light both sizes, in steps of the size grid, and both counts of wrong pixels.
 
 --samples 1 shoots one ray through each pixel's centre; more are averaged over the pixel by Mitsuba's film (box filter), as
-production renderers do. Exit status 0 when counts are at most 5 % over and sizes within one step of the grid, else 1.
+production renderers do. --own takes the images of `lixel render --aov` instead of Mitsuba's. Exit status 0 when counts are at most 5 % over and sizes within one step of the grid, else 1.
 
-Needs mitsuba and numpy, and scipy for the scene reader.
+Needs numpy, mitsuba but for --own, and scipy for the scene reader.
 """
 import argparse
 import json
@@ -20,12 +20,15 @@ import subprocess
 import sys
 import tempfile
 
-import mitsuba as mi
 import numpy as np
 
 import scene
 
-mi.set_variant("llvm_ad_rgb")
+if "--own" in sys.argv:
+    mi = None
+else:
+    import mitsuba as mi
+    mi.set_variant("llvm_ad_rgb")
 
 # What Mitsuba's film averages into a pixel that sees past everything; lixel takes depths from 1e9 on for background.
 BACKGROUND = 1e12
@@ -34,7 +37,7 @@ COUNT_TOLERANCE = 0.05
 STEP_TOLERANCE = 1.5
 
 
-class Layers(mi.SamplingIntegrator):
+class Layers(mi.SamplingIntegrator if mi else object):
     """Depth and, for each light, 1 where it is blocked."""
 
     def __init__(self, props):
@@ -116,14 +119,14 @@ def toml(value):
     return json.dumps(value)
 
 
-def write_job(path, plan, lights, camera, size, planar):
+def write_job(path, plan, lights, camera, size, planar, file):
     eye, (right, up, forward), fov = camera
     rows = np.column_stack([right, up, -forward, eye]).tolist() + [[0, 0, 0, 1]]
     frame = plan["frames"][0]["frame"]
     json.dump([{"frame": frame, "matrix": rows}], open(os.path.join(os.path.dirname(path), "camera.json"), "w"))
     keys = [("frames", {"range": str(frame)}), ("image", {"size": list(size)}), ("visibility", {"source": "aov"}),
             ("camera", {"file": "camera.json", "fov": math.degrees(fov)}),
-            ("aov", {"file": "mitsuba.exr", "depth": {"layer": "Z", "kind": "planar" if planar else "distance"}})]
+            ("aov", {"file": file, "depth": {"layer": "Z", "kind": "planar" if planar else "distance"}})]
     keys += [(name, plan["job"][name]) for name in ("quality", "map", "sampling", "solver")]
     own = {"directional": ["direction"], "point": ["position", "range"], "spot": ["position", "direction", "range"]}
     with open(path, "w") as file:
@@ -154,6 +157,7 @@ def main():
     parse.add_argument("--epsilon", default="0.01")
     parse.add_argument("--samples", type=int, default=16)
     parse.add_argument("--depth", choices=["planar", "distance"], default="planar")
+    parse.add_argument("--own", action="store_true", help="images of lixel render --aov")
     parse.add_argument("--lixel", default="target/release/lixel")
     parse.add_argument("--keep", help="folder for images, jobs and plans")
     options = parse.parse_args()
@@ -169,11 +173,17 @@ def main():
     camera, size = camera_of(frame["camera"]), [int(side) for side in options.size.split("x")]
     inputs = [os.path.join(folder, entry["path"]) for entry in geometry["job"]["inputs"]]
     scenes = [path for path in inputs if path.lower().endswith((".gltf", ".glb", ".obj"))]
-    triangles = scene.triangles_at(scenes, frame["time_s"], geometry["job"].get("animation", []))
-    planar = options.depth == "planar"
-    render(triangles, camera, lights, size, options.samples, planar, os.path.join(folder, "mitsuba.exr"))
+    planar = options.own or options.depth == "planar"
+    if options.own:
+        path = os.path.join(folder, "own.exr")
+        own = ["--aov", path, "--size", options.size, "--quiet"]
+        subprocess.run([lixel, "render", options.job, "--frames", str(options.frame), *own], check=True)
+    else:
+        path = os.path.join(folder, "mitsuba.exr")
+        triangles = scene.triangles_at(scenes, frame["time_s"], geometry["job"].get("animation", []))
+        render(triangles, camera, lights, size, options.samples, planar, path)
     job = os.path.join(folder, "images.toml")
-    write_job(job, geometry, lights, camera, size, planar)
+    write_job(job, geometry, lights, camera, size, planar, os.path.basename(path))
     images_path = os.path.join(folder, "images.plan.json")
     subprocess.run([lixel, "plan", job, "-o", images_path, "--quiet"])
     images = json.load(open(images_path))
