@@ -147,11 +147,13 @@ fn summary(plan: &Plan) -> String {
     const LISTED: usize = 5;
     let s = &plan.summary;
     let largest = s.largest.map_or("no map".to_owned(), |[w, h]| format!("largest {w}x{h}"));
-    let mut text = format!("{} frames, {} maps, {} texels, {largest}", s.frames, s.maps, s.texels);
+    let count = |n: u64, what: &str| format!("{n} {what}{}", if n == 1 { "" } else { "s" });
+    let (frames, maps) = (count(s.frames, "frame"), count(s.maps, "map"));
+    let mut text = format!("{frames}, {maps}, {} texels, {largest}", s.texels);
     let lights = || plan.frames.iter().flat_map(|f| f.lights.iter().map(move |l| (f.frame, l)));
     let failed: Vec<_> = lights().filter(|(_, l)| !l.met()).collect();
     if s.frames > 1 {
-        text += &format!(", {} drawn, {} changes", s.texels_drawn, s.changes);
+        text += &format!(", {} drawn, {}", s.texels_drawn, count(s.changes, "change"));
         text += &s.flicker.map(|f| format!(", {f} pixels flicker")).unwrap_or_default();
     }
     if let Some(budget) = &plan.budget {

@@ -120,9 +120,16 @@ fn measure(
             // Choosing by measuring knows the job's aspects only.
             let same = budget::aspect(params.question, question.map) == budget::aspect(Question::Epsilon, question.map);
             if same && polishes(question.solver) {
-                let sizes = budget::sizes(&fitted.regions, &fitted.shares, texels);
-                let (bias, _) = answers(question, &sizes, judge, params.bias)?;
-                polish(question, samples, fitted, judge, &Drawing { size: &budget::size, bias }, Turn::ONLY)?;
+                // Which map is best hangs on the bias, and the reverse.
+                let turns: Vec<Turn> = match params.bias {
+                    BiasChoice::Plan => vec![Turn::ONLY],
+                    BiasChoice::Best => Turn::all(question.solver, fitted.texels).collect(),
+                };
+                for turn in turns {
+                    let sizes = budget::sizes(&fitted.regions, &fitted.shares, texels);
+                    let (bias, _) = answers(question, &sizes, judge, params.bias)?;
+                    polish(question, samples, fitted, judge, &Drawing { size: &budget::size, bias }, turn)?;
+                }
             }
             (budget::sizes(&fitted.regions, &fitted.shares, texels), None)
         }
