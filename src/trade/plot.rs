@@ -90,19 +90,19 @@ impl Frame {
 
     fn mark(&self, p: &PointResult) -> String {
         let [x, y] = self.at(p);
-        let style = style(p);
+        let style = style(p, colour_of(p));
         format!("<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3.5\" {style}><title>{}</title></circle>", title(p))
     }
 
-    /// A preset: a diamond, with its name on the side with more room.
+    /// A preset: a diamond, with its name below, where cheaper points are few; of neighbours the names run apart.
     fn preset(&self, p: &PointResult) -> String {
         let [x, y] = self.at(p);
         let diamond = format!("M{:.1} {y:.1}l8 -8l8 8l-8 8z", x - 8.0);
-        let (anchor, beside) = if x > MARGIN[0] + SIZE[0] * 0.8 { ("end", -12.0) } else { ("start", 12.0) };
-        let place = format!("x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"{anchor}\"", x + beside, y - 8.0);
+        let (anchor, beside) = if p.point.preset == Some(Preset::Standard) { ("end", 8.0) } else { ("start", -8.0) };
+        let place = format!("x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"{anchor}\"", x + beside, y + 24.0);
         format!(
             "<path d=\"{diamond}\" {}><title>{}</title></path>\n<text {place} font-weight=\"bold\">{}</text>",
-            style(p),
+            style(p, "#000"),
             title(p),
             p.point.name
         )
@@ -117,7 +117,8 @@ fn words(trade: &Trade, height: f64) -> Vec<String> {
         trade.points.len(),
         trade.cases.len()
     )];
-    let (left, top) = (END[0] - 180.0, MARGIN[1] + 18.0);
+    // Fast and cheap is where no point is.
+    let (left, top) = (MARGIN[0] + 20.0, END[1] - 72.0);
     for (k, preset) in PRESETS.iter().enumerate() {
         let y = top + 18.0 * k as f64;
         let (colour, name) = (colour(*preset), name(*preset));
@@ -153,12 +154,16 @@ fn colour(preset: Preset) -> &'static str {
     }
 }
 
-/// Colour by the preset that a point varies, hollow where nothing is measured.
-fn style(p: &PointResult) -> String {
+/// The colour of the preset that a point varies.
+fn colour_of(p: &PointResult) -> &'static str {
     let base = PRESETS.into_iter().find(|preset| p.point.name.starts_with(&name(*preset)));
-    let colour = colour(base.unwrap_or_default());
-    let fill = if p.measures { colour } else { "white" };
-    format!("fill=\"{fill}\" stroke=\"{colour}\" stroke-width=\"1.5\"")
+    colour(base.unwrap_or_default())
+}
+
+/// Filled where the point measures, else hollow.
+fn style(p: &PointResult, stroke: &str) -> String {
+    let fill = if p.measures { colour_of(p) } else { "white" };
+    format!("fill=\"{fill}\" stroke=\"{stroke}\" stroke-width=\"1.5\"")
 }
 
 fn title(p: &PointResult) -> String {
