@@ -16,6 +16,8 @@ const CAMERA_ACCURACY: f64 = 1e-9;
 /// Part of a map's depth range by which a receiver may lie nearer than `near` or farther than `far`: the search for them may
 /// pass over what is nearer still, or farther, by less. The matrix's own range leaves more free.
 const RANGE_ACCURACY: f64 = 1e-3;
+/// Besides, as a part of the distance: 32 roundings of f64, for lamps so far away that they are more than the range.
+const DISTANCE_ACCURACY: f64 = 32.0 * f64::EPSILON;
 
 /// What does not hold of the maps of a light.
 pub(super) fn faults(
@@ -65,7 +67,7 @@ fn range_faults(entry: &LightPlan, light: &Light, receivers: &Receivers, drawn: 
     let mut faults: Vec<String> =
         clipped.map(|(k, n)| format!("{n} pixels that look map {k} up lie out of its clip depth")).collect();
     for ((k, map), [low, high]) in entry.maps.iter().enumerate().zip(reach) {
-        let free = RANGE_ACCURACY * (map.far - map.near);
+        let free = RANGE_ACCURACY * (map.far - map.near) + DISTANCE_ACCURACY * map.near.abs().max(map.far.abs());
         if low < map.near - free || high > map.far + free {
             let (near, far) = (map.near, map.far);
             faults.push(format!(
