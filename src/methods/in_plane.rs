@@ -62,12 +62,12 @@ fn samples_here(
     let normal_from_scene =
         normalisation.normal_from_plane * DMat3::from_cols(space.dq(DVec3::X), space.dq(DVec3::Y), space.dq(DVec3::Z));
     let of_centre = normalisation.normal_from_plane * space.offset;
-    let point = |k: usize| if count == points.len() { &points[k] } else { &points[k * points.len() / count] };
     for first in (0..count).step_by(BLOCK) {
-        let filled = BLOCK.min(count - first);
+        // Where there are none left, the last one again.
+        let block: [&EdgePoint; BLOCK] =
+            std::array::from_fn(|i| &points[(first + i).min(count - 1) * points.len() / count]);
         let (mut offset, mut by_x, mut by_y) = ([[0.0; BLOCK]; 3], [[0.0; BLOCK]; 3], [[0.0; BLOCK]; 3]);
-        for i in 0..filled {
-            let point = point(first + i);
+        for (i, point) in block.iter().enumerate() {
             let from_centre = point.position - space.center;
             for k in 0..3 {
                 offset[k][i] = from_centre[k];
@@ -86,7 +86,7 @@ fn samples_here(
         for i in 0..BLOCK {
             size[i] = (q2[i] * t2[0][i] * t2[1][i]).sqrt();
         }
-        for i in 0..filled {
+        for (i, point) in block.into_iter().enumerate().take(count - first) {
             let of = |v: &Vectors| DVec3::new(v[0][i], v[1][i], v[2][i]);
             let (q, t) = (of(&q), [of(&t[0]), of(&t[1])]);
             let volume = volume(q, t, size[i]);
@@ -94,7 +94,6 @@ fn samples_here(
                 grazing += 1;
                 continue;
             }
-            let point = point(first + i);
             samples.push(q, t, volume, &FilmEdge { length_px: point.length_px * scale, ..point.into() });
         }
     }

@@ -8,7 +8,8 @@ that Mitsuba renders of it. Then has `lixel verify` draw and count both on the g
 the first, and prints per light both sizes, in steps of the size grid, and both counts of wrong pixels.
 
 --samples 1 shoots one ray through each pixel's centre; more are averaged over the pixel by Mitsuba's film (box filter), as
-production renderers do. --own takes the images of `lixel render --aov` instead of Mitsuba's. Exit status 0 when counts are at most 5 % over and sizes within one step of the grid, else 1.
+production renderers do. --own takes the images of `lixel render --aov` instead of Mitsuba's. Exit status 0 when counts are
+at most 5 % over and sizes within one step of the grid, else 1.
 
 Needs numpy, mitsuba but for --own, and scipy for the scene reader.
 """
@@ -119,14 +120,14 @@ def toml(value):
     return json.dumps(value)
 
 
-def write_job(path, plan, lights, camera, size, planar, file):
+def write_job(path, plan, lights, camera, size, planar, image):
     eye, (right, up, forward), fov = camera
     rows = np.column_stack([right, up, -forward, eye]).tolist() + [[0, 0, 0, 1]]
     frame = plan["frames"][0]["frame"]
     json.dump([{"frame": frame, "matrix": rows}], open(os.path.join(os.path.dirname(path), "camera.json"), "w"))
     keys = [("frames", {"range": str(frame)}), ("image", {"size": list(size)}), ("visibility", {"source": "aov"}),
             ("camera", {"file": "camera.json", "fov": math.degrees(fov)}),
-            ("aov", {"file": file, "depth": {"layer": "Z", "kind": "planar" if planar else "distance"}})]
+            ("aov", {"file": image, "depth": {"layer": "Z", "kind": "planar" if planar else "distance"}})]
     keys += [(name, plan["job"][name]) for name in ("quality", "map", "sampling", "solver")]
     own = {"directional": ["direction"], "point": ["position", "range"], "spot": ["position", "direction", "range"]}
     with open(path, "w") as file:
