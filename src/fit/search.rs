@@ -22,8 +22,12 @@ const SIMPLEX_EVALUATIONS: u32 = 200;
 /// The polar grid: directions, and parts of the way to the border.
 const GRID_DIRECTIONS: u32 = 16;
 const GRID_FRACTIONS: [f64; 6] = [0.2, 0.45, 0.65, 0.8, 0.9, 0.96];
-/// Points of the grid, those of least bound, whose affine part a local search finds; a global one takes all.
+/// Points of the grid, those of least bound, whose affine part a local search finds at most; a global one finds that of every
+/// point whose bound lets it be a start.
 const LOCAL_LOOKS: usize = 24;
+
+/// Points whose affine part is found before the search asks again whether those left can matter.
+const LOOKS_AT_ONCE: usize = 4;
 
 /// Starts of simplices lie farther apart than this part of the way to the border: neighbours on a ray of the grid, as long as
 /// that is no difference of its fractions, so that rounding does not tell.
@@ -141,19 +145,21 @@ pub fn minimise(problem: &FitProblem, effort: Effort, tolerance: f64, starts: &[
             .map(|ab| (problem.least(&few, ab), ab))
             .collect();
         grid.sort_by(|a, b| a.0.total_cmp(&b.0));
-        seeds.extend(grid.iter().take(looks).map(|(_, ab)| (value_at(*ab), *ab)));
-    }
-    seeds.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.x.total_cmp(&b.1.x)).then(a.1.y.total_cmp(&b.1.y)));
-    let mut chosen: Vec<DVec2> = Vec::new();
-    for (value, ab) in &seeds {
-        let apart = |c: &DVec2| (*c - *ab).length() > APART * polar.radius((*ab - *c).normalize_or(DVec2::X));
-        if value.is_finite() && chosen.len() < simplices && chosen.iter().all(apart) {
-            chosen.push(*ab);
+        for (looked, (least, ab)) in grid.into_iter().take(looks).enumerate() {
+            // Neither this one nor any after it can be a start.
+            let settled = looked % LOOKS_AT_ONCE == 0 && {
+                let chosen = starting_points(&mut seeds, &polar, simplices);
+                chosen.len() == simplices && chosen.iter().all(|start| start.0 < least)
+            };
+            if settled {
+                break;
+            }
+            seeds.push((value_at(ab), ab));
         }
     }
     let mut best: Option<(f64, DVec2, f64, Termination)> = None;
     let size = 0.08 * polar.radius(DVec2::X).min(polar.radius(DVec2::Y));
-    for start in chosen {
+    for (_, start) in starting_points(&mut seeds, &polar, simplices) {
         let (ab, value, spread, termination) = simplex(&mut value_at, start, size, tolerance);
         if best.is_none_or(|b| value < b.0) {
             best = Some((value, ab, spread, termination));
@@ -179,6 +185,22 @@ pub fn minimise(problem: &FitProblem, effort: Effort, tolerance: f64, starts: &[
         fit.evaluations += dense.evaluations;
     }
     Some(fit)
+}
+
+/// Where simplices start: the best of the seeds that lie apart, `most` of them or fewer. Sorts the seeds.
+fn starting_points(seeds: &mut [(f64, DVec2)], polar: &PolarPolygon, most: usize) -> Vec<(f64, DVec2)> {
+    seeds.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.x.total_cmp(&b.1.x)).then(a.1.y.total_cmp(&b.1.y)));
+    let mut starts: Vec<(f64, DVec2)> = Vec::with_capacity(most);
+    for (value, ab) in seeds.iter().filter(|seed| seed.0.is_finite()) {
+        let apart = |s: &(f64, DVec2)| (s.1 - *ab).length() > APART * polar.radius((*ab - s.1).normalize_or(DVec2::X));
+        if starts.iter().all(apart) {
+            starts.push((*value, *ab));
+        }
+        if starts.len() == most {
+            break;
+        }
+    }
+    starts
 }
 
 /// The best affine part of a given (a, b); `None` where it is not legal.

@@ -64,33 +64,42 @@ fn samples_here(
     let of_centre = normalisation.normal_from_plane * space.offset;
     for first in (0..count).step_by(BLOCK) {
         // Where there are none left, the last one again.
-        let block: [&EdgePoint; BLOCK] =
-            std::array::from_fn(|i| &points[(first + i).min(count - 1) * points.len() / count]);
-        let (mut offset, mut by_x, mut by_y) = ([[0.0; BLOCK]; 3], [[0.0; BLOCK]; 3], [[0.0; BLOCK]; 3]);
+        let mut block = [&points[0]; BLOCK];
+        for (i, point) in block.iter_mut().enumerate() {
+            *point = &points[(first + i).min(count - 1) * points.len() / count];
+        }
+        let mut q: Vectors = [[0.0; BLOCK]; 3];
+        let mut t: [Vectors; 2] = [[[0.0; BLOCK]; 3]; 2];
         for (i, point) in block.iter().enumerate() {
             let from_centre = point.position - space.center;
             for k in 0..3 {
-                offset[k][i] = from_centre[k];
-                (by_x[k][i], by_y[k][i]) = (point.derivatives[0][k], point.derivatives[1][k]);
+                q[k][i] = from_centre[k];
+                (t[0][k][i], t[1][k][i]) = (point.derivatives[0][k], point.derivatives[1][k]);
             }
         }
-        let mut in_plane = placed(&normal_from_scene, &offset);
-        for (row, of_centre) in in_plane.iter_mut().zip(of_centre.to_array()) {
+        place(&normal_from_scene, &mut q);
+        for (row, of_centre) in q.iter_mut().zip(of_centre.to_array()) {
             row.iter_mut().for_each(|x| *x += of_centre);
         }
-        let scale_q = in_plane[2].map(|z| 1.0 / z);
-        let q = scaled(&in_plane, &scale_q);
-        let t = [&by_x, &by_y].map(|d| scaled(&placed(&normal_from_scene, d), &scale_q));
+        let depth = q[2];
+        let mut by_depth = [0.0; BLOCK];
+        for i in 0..BLOCK {
+            by_depth[i] = 1.0 / depth[i];
+        }
+        scale_by(&mut q, &by_depth);
+        for t in &mut t {
+            place(&normal_from_scene, t);
+            scale_by(t, &by_depth);
+        }
         let (q2, t2) = (length_squared(&q), [length_squared(&t[0]), length_squared(&t[1])]);
         let mut size = [0.0; BLOCK];
         for i in 0..BLOCK {
             size[i] = (q2[i] * t2[0][i] * t2[1][i]).sqrt();
         }
         for (i, point) in block.into_iter().enumerate().take(count - first) {
-            let of = |v: &Vectors| DVec3::new(v[0][i], v[1][i], v[2][i]);
-            let (q, t) = (of(&q), [of(&t[0]), of(&t[1])]);
+            let (q, t) = (vector(&q, i), [vector(&t[0], i), vector(&t[1], i)]);
             let volume = volume(q, t, size[i]);
-            if !(q.is_finite() && volume.abs() > GRAZING * size[i]) || in_plane[2][i] <= 0.0 {
+            if !(q.is_finite() && volume.abs() > GRAZING * size[i]) || depth[i] <= 0.0 {
                 grazing += 1;
                 continue;
             }
@@ -100,27 +109,29 @@ fn samples_here(
     (samples, grazing)
 }
 
+// Functions that are inlined, not closures: those are compiled without AVX2.
 #[inline(always)]
-fn placed(matrix: &DMat3, v: &Vectors) -> Vectors {
-    let mut out = [[0.0; BLOCK]; 3];
-    for (k, row) in out.iter_mut().enumerate() {
-        let (x, y, z) = (matrix.x_axis[k], matrix.y_axis[k], matrix.z_axis[k]);
-        for i in 0..BLOCK {
-            row[i] = x * v[0][i] + y * v[1][i] + z * v[2][i];
-        }
-    }
-    out
+fn vector(v: &Vectors, i: usize) -> DVec3 {
+    DVec3::new(v[0][i], v[1][i], v[2][i])
 }
 
 #[inline(always)]
-fn scaled(v: &Vectors, by: &[f64; BLOCK]) -> Vectors {
-    let mut out = *v;
-    for row in &mut out {
+fn place(matrix: &DMat3, v: &mut Vectors) {
+    for i in 0..BLOCK {
+        let [a, b, c] = [v[0][i], v[1][i], v[2][i]];
+        for (k, row) in v.iter_mut().enumerate() {
+            row[i] = matrix.x_axis[k] * a + matrix.y_axis[k] * b + matrix.z_axis[k] * c;
+        }
+    }
+}
+
+#[inline(always)]
+fn scale_by(v: &mut Vectors, by: &[f64; BLOCK]) {
+    for row in v {
         for i in 0..BLOCK {
             row[i] *= by[i];
         }
     }
-    out
 }
 
 #[inline(always)]

@@ -91,6 +91,7 @@ impl EdgeSamples {
     }
 
     /// Adds a sample: q with its derivatives, their [`volume`], and the edge.
+    #[inline(always)]
     pub fn push(&mut self, q: DVec3, t: [DVec3; 2], volume: f64, edge: &FilmEdge) {
         self.q.push(q);
         self.t.push(t);
@@ -102,6 +103,7 @@ impl EdgeSamples {
     }
 
     /// c_1 and c_2 of a sample.
+    #[inline(always)]
     pub fn footprint_vectors(&self, i: usize) -> [DVec3; 2] {
         [self.t[i][0].cross(self.q[i]), self.t[i][1].cross(self.q[i])]
     }
@@ -112,6 +114,7 @@ impl EdgeSamples {
 const PLAIN_VOLUME: f64 = 1e-3;
 
 /// V = q·(T_1 × T_2), accurate to 1e-12 of itself also where the light grazes the receiver. `size` = |q| |T_1| |T_2|.
+#[inline(always)]
 pub fn volume(q: DVec3, t: [DVec3; 2], size: f64) -> f64 {
     let plain = q.dot(t[0].cross(t[1]));
     // Compensated products cost a function call each on processors without fused multiply-add in the baseline.

@@ -33,6 +33,7 @@ impl Moments {
     }
 
     /// The same with k / V² in one.
+    #[inline(always)]
     pub(super) fn add_scaled(&mut self, q: DVec3, c: DVec3, k: f64) {
         let cc = products(c);
         for (row, qq) in self.sums.iter_mut().zip(products(q)) {
@@ -124,12 +125,16 @@ impl Sums {
     /// Adds samples: q, one vector c and k / V² of each.
     #[inline(always)]
     pub(super) fn add(&mut self, q: &[Each; 3], c: &[Each; 3], k: &Each) {
-        let cc = PAIRS.map(|(a, b)| product(&c[a], &c[b]));
+        let mut cc = [[0.0; BLOCK]; 6];
+        for (cc, (a, b)) in cc.iter_mut().zip(PAIRS) {
+            *cc = product(&c[a], &c[b]);
+        }
         for (row, (a, b)) in self.0.iter_mut().zip(PAIRS) {
             let f = product(k, &product(&q[a], &q[b]));
             for (sums, c) in row.iter_mut().zip(&cc) {
-                for (i, term) in product(&f, c).into_iter().enumerate() {
-                    sums[i % LANES] += term;
+                let terms = product(&f, c);
+                for i in 0..BLOCK {
+                    sums[i % LANES] += terms[i];
                 }
             }
         }
@@ -154,6 +159,7 @@ fn symmetric([xx, xy, xz, yy, yz, zz]: [f64; 6]) -> DMat3 {
     DMat3::from_cols(DVec3::new(xx, xy, xz), DVec3::new(xy, yy, yz), DVec3::new(xz, yz, zz))
 }
 
+#[inline(always)]
 fn products(v: DVec3) -> [f64; 6] {
     [v.x * v.x, v.x * v.y, v.x * v.z, v.y * v.y, v.y * v.z, v.z * v.z]
 }

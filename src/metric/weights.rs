@@ -62,16 +62,32 @@ fn saturated(displacement_px: f64, room_px: f64) -> f64 {
     if displacement_px.is_finite() { displacement_px / (1.0 + displacement_px / room_px) } else { room_px }
 }
 
-/// Moments of a metric with its base weights.
+/// Moments of a metric with its base weights. Compiled twice, as [`pass`] is.
 pub fn moments_of(samples: &EdgeSamples, metric: Metric) -> Moments {
+    #[cfg(target_arch = "x86_64")]
+    if is_x86_feature_detected!("avx2") {
+        #[expect(unsafe_code, reason = "AVX2 was just detected, which is all that the callee asks for")]
+        return unsafe { moments_avx2(samples, metric) };
+    }
+    moments_here(samples, metric)
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+fn moments_avx2(samples: &EdgeSamples, metric: Metric) -> Moments {
+    moments_here(samples, metric)
+}
+
+#[inline(always)]
+fn moments_here(samples: &EdgeSamples, metric: Metric) -> Moments {
     let mut moments = Moments::default();
     for i in 0..samples.len() {
         let (q, k) = (samples.q[i], samples.inverse_volume[i] * samples.inverse_volume[i]);
         match metric {
             Metric::L2 => {
-                for c in samples.footprint_vectors(i) {
-                    moments.add_scaled(q, c, k * samples.length_px[i]);
-                }
+                let [first, second] = samples.footprint_vectors(i);
+                moments.add_scaled(q, first, k * samples.length_px[i]);
+                moments.add_scaled(q, second, k * samples.length_px[i]);
             }
             Metric::Displacement | Metric::Saturating | Metric::Minimax => {
                 moments.add_scaled(q, samples.edge_vector[i], k * counted_px(samples, i));
