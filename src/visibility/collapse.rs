@@ -114,6 +114,8 @@ impl Topology<'_> {
             children[slot] = left;
             children.push(left + 1);
         }
+        // A walk for any hit goes to the last child first: a leaf costs no more than a node and may end it.
+        children.sort_by_key(|&child| self.binary.nodes[child].is_leaf());
         children.into_iter().map(Part::Node).collect()
     }
 

@@ -111,7 +111,8 @@ impl LocalRay {
     /// spans along the ray's dominant axis, because seen edge-on its plane is met anywhere.
     #[inline(always)]
     pub(super) fn meet(&self, corners: [Vec3; 3], t: f32) -> f64 {
-        let [a, b, c] = corners.map(|v| v.as_dvec3() - self.origin);
+        let [a, b, c] = corners;
+        let (a, b, c) = (a.as_dvec3() - self.origin, b.as_dvec3() - self.origin, c.as_dvec3() - self.origin);
         let normal = (b - a).cross(c - a);
         let axis = self.ray.axes[2];
         let sign = self.direction[axis];
