@@ -141,7 +141,8 @@ fn best_split(inputs: &Inputs, part: &Part) -> Option<[Part; 2]> {
     found
 }
 
-/// One half of a part, fitted on all of its own.
+/// One half of a part, fitted on all of its own. `None` also where rounding drops a covered point: seen through a strong warp
+/// the border that is left free may be thinner than what a hull is simplified by.
 fn half(inputs: &Inputs, part: &Part, plane: DVec4) -> Option<Part> {
     let edges = held_edges(&part.edges, plane);
     let strip_m = STRIP * inputs.bounds.diagonal();
@@ -151,7 +152,7 @@ fn half(inputs: &Inputs, part: &Part, plane: DVec4) -> Option<Part> {
     }
     let texels = inputs.texels / f64::from(inputs.solver.maps.max(1));
     let own = Inputs { edges: &edges, covered: &covered, texels, ..*inputs };
-    let region = lixel::solve(&own, None).ok()?;
+    let region = lixel::solve(&own, None).ok().filter(|region| covered.iter().all(|p| region.contains(*p)))?;
     let planes = part.planes.iter().copied().chain([plane]).collect();
     Some(Part { planes, worth: worth(inputs, &region), edges, covered, region })
 }
