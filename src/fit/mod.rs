@@ -10,6 +10,7 @@ mod normalise;
 mod params;
 mod polar;
 mod search;
+mod starts;
 
 pub use affine::{AffineFit, Aspect, fit_affine, refine_affine};
 pub use near::{RowsAndAspect, Step, near};

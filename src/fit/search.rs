@@ -5,6 +5,7 @@
 //! towards the border of the polygon, so a simplex (Nelder and Mead 1965) serves and needs no barrier.
 
 use super::affine::{AffineFit, AffineProblem, Aspect, refine_affine};
+use super::starts::{coarse_grid, look, polar_grid, starting_points};
 use super::{Effort, Normalisation, PolarPolygon, Shape};
 use crate::math::support_subset;
 use crate::metric::Moments;
@@ -19,19 +20,9 @@ const BORDER: f64 = 1.0 / 4096.0;
 /// Most evaluations of one simplex: a bound against endless crawling, reached by no case measured.
 const SIMPLEX_EVALUATIONS: u32 = 200;
 
-/// The polar grid: directions, and parts of the way to the border.
-const GRID_DIRECTIONS: u32 = 16;
-const GRID_FRACTIONS: [f64; 6] = [0.2, 0.45, 0.65, 0.8, 0.9, 0.96];
 /// Points of the grid, those of least bound, whose affine part a local search finds at most; a global one finds that of every
 /// point whose bound lets it be a start.
 const LOCAL_LOOKS: usize = 24;
-
-/// Points whose affine part is found before the search asks again whether those left can matter.
-const LOOKS_AT_ONCE: usize = 4;
-
-/// Starts of simplices lie farther apart than this part of the way to the border: neighbours on a ray of the grid, as long as
-/// that is no difference of its fractions, so that rounding does not tell.
-const APART: f64 = 0.14;
 
 /// Simplices that begin afresh at the best point, at most: as long as they gain more than the tolerance.
 const FRESH_SIMPLICES: u32 = 4;
@@ -140,22 +131,11 @@ pub fn minimise(problem: &FitProblem, effort: Effort, tolerance: f64, starts: &[
     };
     if starts.is_empty() || effort != Effort::Local {
         // The bound costs a tenth of the affine step and ranks nearly as it does.
-        let mut grid: Vec<(f64, DVec2)> = std::iter::once(DVec2::ZERO)
-            .chain(polar_grid(&polar, GRID_DIRECTIONS, &GRID_FRACTIONS))
-            .map(|ab| (problem.least(&few, ab), ab))
-            .collect();
+        let mut grid: Vec<(f64, DVec2)> =
+            std::iter::once(DVec2::ZERO).chain(coarse_grid(&polar)).map(|ab| (problem.least(&few, ab), ab)).collect();
         grid.sort_by(|a, b| a.0.total_cmp(&b.0));
-        for (looked, (least, ab)) in grid.into_iter().take(looks).enumerate() {
-            // Neither this one nor any after it can be a start.
-            let settled = looked % LOOKS_AT_ONCE == 0 && {
-                let chosen = starting_points(&mut seeds, &polar, simplices);
-                chosen.len() == simplices && chosen.iter().all(|start| start.0 < least)
-            };
-            if settled {
-                break;
-            }
-            seeds.push((value_at(ab), ab));
-        }
+        grid.truncate(looks);
+        look(grid, &polar, simplices, &mut seeds, &mut value_at);
     }
     let mut best: Option<(f64, DVec2, f64, Termination)> = None;
     let size = 0.08 * polar.radius(DVec2::X).min(polar.radius(DVec2::Y));
@@ -187,22 +167,6 @@ pub fn minimise(problem: &FitProblem, effort: Effort, tolerance: f64, starts: &[
     Some(fit)
 }
 
-/// Where simplices start: the best of the seeds that lie apart, `most` of them or fewer. Sorts the seeds.
-fn starting_points(seeds: &mut [(f64, DVec2)], polar: &PolarPolygon, most: usize) -> Vec<(f64, DVec2)> {
-    seeds.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.x.total_cmp(&b.1.x)).then(a.1.y.total_cmp(&b.1.y)));
-    let mut starts: Vec<(f64, DVec2)> = Vec::with_capacity(most);
-    for (value, ab) in seeds.iter().filter(|seed| seed.0.is_finite()) {
-        let apart = |s: &(f64, DVec2)| (s.1 - *ab).length() > APART * polar.radius((*ab - s.1).normalize_or(DVec2::X));
-        if starts.iter().all(apart) {
-            starts.push((*value, *ab));
-        }
-        if starts.len() == most {
-            break;
-        }
-    }
-    starts
-}
-
 /// The best affine part of a given (a, b); `None` where it is not legal.
 pub fn at(problem: &FitProblem, ab: DVec2, tolerance: f64) -> Option<Fit> {
     finish(problem, ab, 1, 0.0, tolerance, Termination::NothingToSearch)
@@ -230,14 +194,6 @@ pub fn minimise_exhaustive(problem: &FitProblem, tolerance: f64) -> Option<Fit> 
     }
     let (_, ab, spread, termination) = best?;
     finish(problem, ab, evaluations, spread, tolerance, termination)
-}
-
-fn polar_grid<'a>(polar: &'a PolarPolygon, directions: u32, fractions: &'a [f64]) -> impl Iterator<Item = DVec2> + 'a {
-    (0..directions).flat_map(move |k| {
-        let direction = DVec2::from_angle(std::f64::consts::TAU * f64::from(k) / f64::from(directions));
-        let radius = polar.radius(direction);
-        fractions.iter().map(move |f| direction * (radius * f))
-    })
 }
 
 /// Nelder and Mead's simplex in two dimensions; infinite values are walls. Returns point, value, relative spread.
