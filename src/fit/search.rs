@@ -5,7 +5,7 @@
 //! towards the border of the polygon, so a simplex (Nelder and Mead 1965) serves and needs no barrier.
 
 use super::affine::{AffineFit, AffineProblem, Aspect, refine_affine};
-use super::starts::{coarse_grid, look, polar_grid, starting_points};
+use super::starts::{Seed, coarse_grid, look, polar_grid, starting_points};
 use super::{Effort, Normalisation, PolarPolygon, Shape};
 use crate::math::support_subset;
 use crate::metric::Moments;
@@ -124,14 +124,14 @@ pub fn minimise(problem: &FitProblem, effort: Effort, tolerance: f64, starts: &[
         return finish(problem, DVec2::ZERO, 1, 0.0, tolerance, Termination::NothingToSearch);
     }
     let polar = PolarPolygon::new(&few);
-    let mut seeds: Vec<(f64, DVec2)> = starts.iter().map(|ab| (value_at(*ab), *ab)).collect();
+    let mut seeds: Vec<Seed> = starts.iter().map(|ab| (value_at(*ab), *ab)).collect();
     let (looks, simplices) = match effort {
         Effort::Local => (LOCAL_LOOKS, 1),
         Effort::Global | Effort::Exhaustive => (usize::MAX, 3),
     };
     if starts.is_empty() || effort != Effort::Local {
         // The bound costs a tenth of the affine step and ranks nearly as it does.
-        let mut grid: Vec<(f64, DVec2)> =
+        let mut grid: Vec<Seed> =
             std::iter::once(DVec2::ZERO).chain(coarse_grid(&polar)).map(|ab| (problem.least(&few, ab), ab)).collect();
         grid.sort_by(|a, b| a.0.total_cmp(&b.0));
         grid.truncate(looks);
@@ -182,7 +182,7 @@ pub fn minimise_exhaustive(problem: &FitProblem, tolerance: f64) -> Option<Fit> 
         evaluations += 1;
         problem.affine(problem.hull, ab).map_or(f64::INFINITY, |f| f.value)
     };
-    let mut seeds: Vec<(f64, DVec2)> = polar_grid(&polar, 96, &fractions).map(|ab| (value_at(ab), ab)).collect();
+    let mut seeds: Vec<Seed> = polar_grid(&polar, 96, &fractions).map(|ab| (value_at(ab), ab)).collect();
     seeds.push((value_at(DVec2::ZERO), DVec2::ZERO));
     seeds.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.x.total_cmp(&b.1.x)).then(a.1.y.total_cmp(&b.1.y)));
     let mut best: Option<(f64, DVec2, f64, Termination)> = None;

@@ -21,6 +21,7 @@ pub(super) fn coarse_grid<'a>(polar: &'a PolarPolygon) -> impl Iterator<Item = D
     polar_grid(polar, GRID_DIRECTIONS, &GRID_FRACTIONS)
 }
 
+/// Points in evenly spread directions, at parts of the way to the border.
 pub(super) fn polar_grid<'a>(
     polar: &'a PolarPolygon,
     directions: u32,

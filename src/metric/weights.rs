@@ -62,7 +62,7 @@ fn saturated(displacement_px: f64, room_px: f64) -> f64 {
     if displacement_px.is_finite() { displacement_px / (1.0 + displacement_px / room_px) } else { room_px }
 }
 
-/// Moments of a metric with its base weights. Compiled twice, as [`pass`] is.
+/// Moments of a metric with its base weights. (Compiled twice, for the reason that `pass` gives.)
 pub fn moments_of(samples: &EdgeSamples, metric: Metric) -> Moments {
     #[cfg(target_arch = "x86_64")]
     if is_x86_feature_detected!("avx2") {
