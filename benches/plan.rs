@@ -7,16 +7,19 @@
 //! row, with the settings of `configs/draft.toml`. Exact: one ray through each of 1920 × 1080 pixels and one shadow ray from
 //! each that faces the light. Both use all threads, round about round; the ratio is taken in each round.
 
+use std::cell::Cell;
 use std::error::Error;
 use std::hint::black_box;
 use std::path::Path;
 use std::time::Instant;
 
+use glam::DVec3;
 use lixel::depth::Visible;
 use lixel::job::{Job, load};
 use lixel::math::Bounds;
-use lixel::measure::Receivers;
-use lixel::resolution::{FilmQuestion, JudgedMap, fit_light, predict_only};
+use lixel::measure::{Receivers, Seen};
+use lixel::methods::Region;
+use lixel::resolution::{FilmQuestion, FittedLight, JudgedMap, Sampled, Unmeasured};
 use lixel::samples::{Grid, GridView, LightView, sample_light};
 use lixel::scene::{self, Film, Light, SceneFrame, Shot, ShotParams};
 use lixel::visibility::{Answer, Bvh, RayOffset, Tracer, see};
@@ -102,7 +105,7 @@ fn compare(
 }
 
 struct Draft {
-    /// Rays; fit and size; depth rows.
+    /// Rays; fits, lookups and size; depth rows.
     parts_ms: [f64; 3],
     edges: usize,
     /// Sizes of the maps; none when the light casts no visible shadow.
@@ -118,12 +121,15 @@ fn draft(film: Film, frame: &SceneFrame, tracer: &Tracer, light: &Light, job: &J
     let answers = grid.answers(tracer, &frame.camera, light, offset);
     let lit = LightView { tracer, camera: &frame.camera, view: &grid, light, offset, answers: &answers };
     let samples = sample_light(&lit, job.sampling.refine, false);
-    // The visible points that depth rows and witnesses are made from.
-    let seen: Vec<_> = (0..answers.len())
+    // The visible points that depth rows, lookups and witnesses are made from.
+    let seen: Vec<Seen> = (0..answers.len())
         .filter(|i| answers[*i] != Answer::Unlit)
-        .filter_map(|i| grid.surface(tracer, &frame.camera, i))
-        .map(|s| s.position)
+        .filter_map(|i| {
+            let surface = grid.surface(tracer, &frame.camera, i)?;
+            Some(Seen { position: surface.position, normal: surface.normal, shadowed: answers[i] == Answer::Shadowed })
+        })
         .collect();
+    let receivers: Vec<DVec3> = seen.iter().map(|s| s.position).collect();
     let mut draft = Draft { parts_ms: [lap(start), 0.0, 0.0], edges: samples.edges.len(), sizes: Vec::new() };
     if samples.shadowed == 0 {
         return Ok(draft);
@@ -139,15 +145,20 @@ fn draft(film: Film, frame: &SceneFrame, tracer: &Tracer, light: &Light, job: &J
         solver: &job.solver,
         sample_cap: job.sampling.cap as usize,
     };
-    let fitted = fit_light(&question, &samples, None)?;
-    draft.sizes = predict_only(&question, &fitted).sizes;
-    draft.parts_ms[1] = lap(start);
-    let start = Instant::now();
-    let visible = Visible::new(&seen);
-    for region in &fitted.regions {
-        black_box(JudgedMap::new(region.clone(), tracer, &visible)?);
-    }
-    draft.parts_ms[2] = lap(start);
+    let rows_ms = Cell::new(0.0);
+    let maps_of = |fitted: &FittedLight| {
+        let start = Instant::now();
+        let kept = |region: &Region, own: &[DVec3]| JudgedMap::kept(region, tracer, &Visible::new(own));
+        let maps = JudgedMap::of_all_by(&fitted.regions, &receivers, kept);
+        rows_ms.set(rows_ms.get() + lap(start));
+        maps
+    };
+    let sampled = Sampled::new(&question, tracer, &seen, grid.grid.len());
+    let unmeasured =
+        Unmeasured { question: &question, receivers: &receivers, sampled: sampled.as_ref(), maps_of: &maps_of };
+    draft.sizes = black_box(unmeasured.planned(&samples, None)?).certified.sizes;
+    draft.parts_ms[1] = lap(start) - rows_ms.get();
+    draft.parts_ms[2] = rows_ms.get();
     Ok(draft)
 }
 

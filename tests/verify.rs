@@ -92,6 +92,29 @@ fn a_plan_that_was_not_measured_is_measured_and_judged_by_epsilon() {
 }
 
 #[test]
+fn lookups_by_rays_find_what_drawn_maps_answer_wrongly() {
+    // As many positions as the film has pixels: the sample is all of them.
+    for outside in ["lit", "shadowed"] {
+        let base = BASE.replace("step = 1.2", &format!("step = 1.2\noutside = '{outside}'"));
+        let plan = plan_with(&(base + "measure = 'never'\n"));
+        let found = verify(&plan);
+        let lights = plan.frames.iter().flat_map(|f| &f.lights).zip(&found.lights);
+        let mut compared = 0;
+        for (planned, drawn) in lights {
+            let predicted = planned.error.as_ref().and_then(|e| e.predicted.as_ref());
+            let Some(by_rays) = predicted.and_then(|p| p.sampled) else { continue };
+            let (by_rays, drawn) =
+                (by_rays.iter().sum::<f64>(), (drawn.measured.unwrap() + drawn.uncertain.unwrap()) as f64);
+            // Rays beside edges may turn by rounding.
+            assert!((by_rays - drawn).abs() <= 0.01 * drawn + 2.0, "{}: {by_rays} {drawn}", planned.light);
+            compared += u64::from(drawn > 50.0);
+            assert!(planned.met() && drawn <= 1.15 * 0.03 * 160.0 * 90.0, "{}: {drawn}", planned.light);
+        }
+        assert!(compared >= 3, "{compared} lights with errors to compare");
+    }
+}
+
+#[test]
 fn a_bound_that_the_plan_says_is_not_met_is_told_apart_from_a_broken_plan() {
     let found = verify(&plan_courtyard("[map.bias]\nconstant = 0.0\nslope = 0.0\n"));
     assert_eq!(faults(&found), "");

@@ -3,10 +3,11 @@
 use super::setup::Setup;
 use glam::{DMat4, DVec3};
 use lixel::job::{Job, LoadedJob, check};
-use lixel::math::matrix_from_rows;
+use lixel::math::{Bounds, matrix_from_rows};
 use lixel::measure::{Drawn, Receivers, Verdict};
 use lixel::plan::{Domain, FramePlan, LightPlan, MapPlan, Plan, Status, Watch, make, to_text};
 use lixel::raster::{Bias, Canvas};
+use lixel::resolution::{FilmQuestion, fit_light, grid_of};
 use lixel::samples::{Grid, GridView, LightSamples, LightView, sample_light};
 use lixel::scene::{Light, SceneFrame, Shot, ShotParams, load};
 use lixel::visibility::{Answer, Bvh, RayOffset, Tracer, View, classify, see};
@@ -154,15 +155,44 @@ impl Trial {
         (view, offset, answers)
     }
 
+    /// The size of the first light's map by the fit and its prediction, with the settings of the plan.
+    ///
+    /// # Errors
+    /// When there is no fit, or not one map.
+    pub(crate) fn fitted_size(&self) -> Result<[u32; 2], String> {
+        let (job, samples) = (&self.plan.job.job, self.samples_of(self.plan.job.job.sampling.refine));
+        let question = FilmQuestion {
+            camera: &self.frame.camera,
+            film: self.shot.film,
+            light: self.light(),
+            bounds: Bounds::of(self.tracer().bounds().into_iter().flatten()),
+            quality: &job.quality,
+            map: &job.map,
+            solver: &job.solver,
+            sample_cap: job.sampling.cap as usize,
+        };
+        let fitted = fit_light(&question, &samples, None).map_err(|e| e.to_string())?;
+        let grid = grid_of(&question, &fitted);
+        match grid.sizes(grid.at_least(fitted.texels)) {
+            [size] => Ok(*size),
+            sizes => Err(format!("{} maps where one was expected", sizes.len())),
+        }
+    }
+
     /// The shadow edges and the cover of the first light, at the resolution of the film.
     pub(crate) fn samples(&self) -> LightSamples {
+        self.samples_of(3)
+    }
+
+    /// The same with so many halvings to locate an edge.
+    fn samples_of(&self, refine: u32) -> LightSamples {
         let tracer = self.tracer();
         let (film, offset, answers) = self.looked(&tracer);
         let grid = Grid::new(self.shot.film, 4096);
         let view = GridView::see(&tracer, &self.frame.camera, grid, Some(&film));
         let camera = &self.frame.camera;
         let of = LightView { tracer: &tracer, camera, view: &view, light: self.light(), offset, answers: &answers };
-        sample_light(&of, 3, false)
+        sample_light(&of, refine, false)
     }
 
     /// What one map with a given matrix, and otherwise as planned, answers wrongly for the first light.

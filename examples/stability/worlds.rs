@@ -137,12 +137,11 @@ pub(crate) fn fit_alone(job: &mut Job) {
 
 /// The size of the yard's map in a world by the fit and its prediction, without any count.
 fn predicted(world: &World) -> Result<[u32; 2], String> {
-    let trial = plan(&yard().placed(world), |job| {
+    let never = |job: &mut Job| {
         fit_alone(job);
         job.quality.measure = Measure::Never;
-    })?;
-    let map = only_map(trial.first()?)?;
-    Ok([map.width, map.height])
+    };
+    plan(&yard().placed(world), never)?.fitted_size()
 }
 
 /// The size and the wrong pixels of the yard in a world, by measured choice.

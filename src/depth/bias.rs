@@ -6,7 +6,7 @@
 
 use crate::raster::Bias;
 use crate::scene::Light;
-use glam::{DMat4, DVec3};
+use glam::{DMat4, DVec3, DVec4};
 
 /// A bias as the largest over receivers.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -39,27 +39,48 @@ pub fn bias_units(
 }
 
 fn at(m: &DMat4, size: [u32; 2], light: &Light, bias: &Bias, position: DVec3, normal: DVec3) -> Option<(f64, f64)> {
-    let clip = *m * position.extend(1.0);
-    if clip.w <= 0.0 {
-        return None;
-    }
-    // Texels u, v and window depth z, differentiated along a scene vector.
-    let along = |t: DVec3| {
-        let d = *m * t.extend(0.0);
-        let ndc = |c: f64, dc: f64| (dc - c / clip.w * d.w) / clip.w;
-        let half = |k: u32| 0.5 * f64::from(k);
-        DVec3::new(ndc(clip.x, d.x) * half(size[0]), ndc(clip.y, d.y) * half(size[1]), ndc(clip.z, d.z) * 0.5)
-    };
+    let map = MapAt::new(m, size, position)?;
     let ray = -light.towards(position).normalize();
     let (e1, e2) = ray.any_orthonormal_pair();
-    let (a, b) = (along(e1), along(e2));
+    let (a, b) = (map.along(e1), map.along(e2));
     let texel_m = 1.0 / (a.x * b.y - a.y * b.x).abs().sqrt();
-    let (t1, t2) = normal.any_orthonormal_pair();
-    let (p, q) = (along(t1), along(t2));
-    let det = p.x * q.y - p.y * q.x;
-    let z_u = (p.z * q.y - q.z * p.y) / det;
-    let z_v = (q.z * p.x - p.z * q.x) / det;
-    let window = bias.constant + (bias.slope * z_u.abs().max(z_v.abs())).min(bias.clamp);
-    let world_m = window / along(ray).z.abs();
+    let world_m = bias.of(map.slopes(normal)) / map.along(ray).z.abs();
     (world_m.is_finite() && texel_m.is_finite()).then_some((world_m, world_m / texel_m))
+}
+
+/// A map at a scene point: what it makes of small steps from there.
+#[derive(Clone, Copy, Debug)]
+pub struct MapAt<'a> {
+    clip_from_scene: &'a DMat4,
+    size: [u32; 2],
+    clip: DVec4,
+}
+
+impl<'a> MapAt<'a> {
+    /// For a map of a size in texels; `None` behind its camera.
+    pub fn new(clip_from_scene: &'a DMat4, size: [u32; 2], position: DVec3) -> Option<MapAt<'a>> {
+        let clip = *clip_from_scene * position.extend(1.0);
+        (clip.w > 0.0).then_some(MapAt { clip_from_scene, size, clip })
+    }
+
+    /// Window depth of the point.
+    pub fn window_depth(&self) -> f64 {
+        0.5 + 0.5 * self.clip.z / self.clip.w
+    }
+
+    /// Texels u, v and window depth, differentiated along a scene vector.
+    fn along(&self, t: DVec3) -> DVec3 {
+        let (d, clip) = (*self.clip_from_scene * t.extend(0.0), self.clip);
+        let ndc = |c: f64, dc: f64| (dc - c / clip.w * d.w) / clip.w;
+        let half = |k: u32| 0.5 * f64::from(k);
+        DVec3::new(ndc(clip.x, d.x) * half(self.size[0]), ndc(clip.y, d.y) * half(self.size[1]), ndc(clip.z, d.z) * 0.5)
+    }
+
+    /// |z_u| and |z_v| of the plane with a unit normal, window depth per texel; not finite where the light sees it edge-on.
+    pub fn slopes(&self, normal: DVec3) -> [f64; 2] {
+        let (t1, t2) = normal.any_orthonormal_pair();
+        let (p, q) = (self.along(t1), self.along(t2));
+        let det = p.x * q.y - p.y * q.x;
+        [(p.z * q.y - q.z * p.y) / det, (q.z * p.x - p.z * q.x) / det].map(f64::abs)
+    }
 }

@@ -18,7 +18,7 @@ mod row;
 mod unseen;
 mod visible;
 
-pub use bias::{BiasUnits, CONSTANT_F32, bias_units};
+pub use bias::{BiasUnits, CONSTANT_F32, MapAt, bias_units};
 pub use kept::Kept;
 pub use reach::reach;
 pub use row::{DepthError, DepthRow, FINER, RowKind, fit_row};

@@ -70,3 +70,14 @@ impl Receivers {
         self.shadowed.iter().filter(|s| **s).count() as u64
     }
 }
+
+/// A visible point that may look a map up.
+#[derive(Clone, Copy, Debug)]
+pub struct Seen {
+    /// Scene space, metres.
+    pub position: DVec3,
+    /// Unit, towards the camera.
+    pub normal: DVec3,
+    /// The exact answer.
+    pub shadowed: bool,
+}

@@ -85,6 +85,7 @@ fn settle(
         }
     };
     [entry.cost.texels_drawn, entry.cost.triangles_drawn, entry.cost.solver_evaluations] = spent;
+    entry.cost.rays += certified.sampled.map_or(0, |s| s.rays);
     entry.maps = map_entries((&maps, fitted.method), &certified, light, stage, &seen);
     entry.status = if certified.met { Status::Planned } else { Status::NotMet };
     if !certified.met {
@@ -146,6 +147,14 @@ pub(super) fn not_met_reason(job: &Job, certified: &Certified, film: Film) -> St
             job.map.max,
             trial.at_quantile.unwrap_or(f64::INFINITY)
         ),
+        None if let Some(sampled) = certified.sampled => format!(
+            "at the largest size within map.max = {}, {largest}, a sample of lookups expects {:.0} certain and {:.0} uncertain \
+             of {} pixels to be wrong: raise map.max or epsilon",
+            job.map.max,
+            sampled.wrong[0],
+            sampled.wrong[1],
+            film.pixels(),
+        ),
         None => format!("the prediction needs more than map.max = {} allows: raise map.max or epsilon", job.map.max),
     }
 }
@@ -199,6 +208,7 @@ pub(super) fn light_error(
             misclassified: certified.predicted.misclassified,
             uncertain: certified.predicted.uncertain,
             unsaturated: certified.predicted.unsaturated,
+            sampled: certified.sampled.map(|s| s.wrong),
             displacement: of_quantile(Bound::Displacement, certified.predicted_at_quantile),
             footprint: of_quantile(Bound::Footprint, certified.predicted_at_quantile),
         }),

@@ -6,8 +6,8 @@ use super::{Choice, PlanError, choice};
 use crate::job::Job;
 use crate::methods::{Method, Region, SolverParams};
 use crate::resolution::{
-    self, FilmQuestion, FittedLight, Judge, JudgedMap, Need, OnFilm, Planned, Rung, certify, climb, fit_light,
-    predict_only, rungs,
+    self, FilmQuestion, FittedLight, Judge, JudgedMap, Need, OnFilm, Planned, Rung, Sampled, Unmeasured, certify,
+    climb, rungs,
 };
 use crate::scene::Light;
 use crate::shot::in_frame;
@@ -84,23 +84,28 @@ impl Wanted<'_> {
     fn predicted(&self, solver: &SolverParams) -> Result<Planned, String> {
         let Wanted { stage, light, job, lit, .. } = *self;
         let question = FilmQuestion { solver, ..stage.question(light, job) };
-        let fitted = fit_light(&question, &lit.samples, lit.film.as_ref()).map_err(|reason| reason.to_string())?;
-        self.drawn_by_none(&question, fitted)
+        self.unmeasured(&question, |unmeasured| unmeasured.planned(&lit.samples, lit.film.as_ref()))
     }
 
     /// The matrices of regions that are not measured, with the predicted size.
-    fn drawn_by_none(&self, question: &FilmQuestion, mut fitted: FittedLight) -> Result<Planned, String> {
+    fn drawn_by_none(&self, question: &FilmQuestion, fitted: FittedLight) -> Result<Planned, String> {
+        self.unmeasured(question, |unmeasured| unmeasured.of(fitted))
+    }
+
+    /// Hands over what maps are made from where nothing is measured.
+    fn unmeasured<R>(&self, question: &FilmQuestion, work: impl FnOnce(&Unmeasured) -> R) -> R {
         let Wanted { stage, light, job, lit, seen } = *self;
         let receivers: Vec<DVec3> = match &lit.film {
             Some(film) => film.positions.clone(),
             None => seen.iter().map(|s| s.position).collect(),
         };
-        fitted.drop_unseen(&receivers);
         let kept = |region: &Region, own: &[DVec3]| stage.kept(region, own, light, job);
-        let maps = JudgedMap::of_all_by(&fitted.regions, &receivers, kept).map_err(|reason| reason.to_string())?;
-        let certified = predict_only(question, &fitted);
-        let spent = [0, 0, fitted.evaluations];
-        Ok(Planned { maps, fitted, certified, spent })
+        let maps_of = |fitted: &FittedLight| JudgedMap::of_all_by(&fitted.regions, &receivers, kept);
+        let sampled = match stage.images {
+            Some(_) => None,
+            None => Sampled::new(question, stage.tracer, seen, stage.grid.grid.len()),
+        };
+        work(&Unmeasured { question, receivers: &receivers, sampled: sampled.as_ref(), maps_of: &maps_of })
     }
 }
 

@@ -1,20 +1,13 @@
 //! The visible points of a light that its maps' entries speak of: bias in other units, witnesses, rounding.
 
 use crate::measure::Receivers;
+pub(super) use crate::measure::Seen;
 use crate::scene::Camera;
 use crate::visibility::{Surface, Tracer, View};
 use glam::{DMat4, DVec2, DVec3};
 
 /// Most visible points kept of a light in a frame: enough for extremes, and a small part of what planning a light takes.
 const SEEN_MAX: usize = 4096;
-
-/// A visible point that may look a map up: position, unit normal towards the camera, exact answer.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Seen {
-    pub(super) position: DVec3,
-    pub(super) normal: DVec3,
-    pub(super) shadowed: bool,
-}
 
 /// The pixels of a light, evenly thinned.
 pub(super) fn seen_on_film(tracer: &Tracer, view: &View, camera: &Camera, film: &Receivers) -> Vec<Seen> {

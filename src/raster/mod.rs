@@ -71,6 +71,11 @@ pub struct Bias {
 impl Bias {
     /// Depth as it is.
     pub const NONE: Self = Self { constant: 0.0, slope: 0.0, clamp: f64::INFINITY };
+
+    /// What it adds to the depth of a plane with slopes |z_u| and |z_v|, window depth.
+    pub fn of(self, slopes: [f64; 2]) -> f64 {
+        self.constant + (self.slope * slopes[0].max(slopes[1])).min(self.clamp)
+    }
 }
 
 /// What drawing took.

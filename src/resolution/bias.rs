@@ -32,7 +32,7 @@ pub fn default_bias(params: &BiasParams) -> Bias {
 const CLAMPS: [f64; 3] = [1e-2, 1e-3, 1e-4];
 
 /// The bias with fewest wrong pixels at the predicted size, ties go to the earlier one; and these pixels, if it was
-/// measured.
+/// measured. The best slope is found first, then with it the best clamp.
 pub fn measured_bias(
     question: &FilmQuestion,
     fitted: &FittedLight,
@@ -65,4 +65,15 @@ pub fn measured_bias(
         }
     }
     Ok(best.map_or_else(|| (default_bias(params), None), |(wrong, bias)| (bias, Some(wrong))))
+}
+
+/// Every slope with every clamp that the job leaves open, the default first: for what can look at all of them at once.
+pub(super) fn biases(params: &BiasParams) -> Vec<Bias> {
+    let slopes = if params.slope.is_some() { &SLOPES[..1] } else { &SLOPES };
+    let clamps = if params.clamp.is_some() { &[] } else { &CLAMPS[..] };
+    let of_slope = |slope: &f64| {
+        let free = bias_with(params, *slope);
+        std::iter::once(free).chain(clamps.iter().map(move |&clamp| Bias { clamp, ..free }))
+    };
+    slopes.iter().flat_map(of_slope).collect()
 }

@@ -3,11 +3,12 @@
 use super::bias::{default_bias, measured_bias};
 use super::fitted::{bound_limit, predict, predicted_bound, predicted_limit};
 use super::judge::Judge;
+use super::sampled::Estimate;
 use super::{
     Bound, Drawing, FilmQuestion, FittedLight, Measure, Probe, SizeGrid, Turn, grown, polish, polishes, size_on_grid,
     smallest, texels,
 };
-use crate::measure::{Drawn, Verdict};
+use crate::measure::{Drawn, Verdict, least_limit};
 use crate::methods::Prediction;
 use crate::raster::{Bias, RasterError};
 use crate::samples::LightSamples;
@@ -39,6 +40,8 @@ pub struct Certified {
     pub predicted: Prediction,
     /// The predicted value of a bound at a quantile.
     pub predicted_at_quantile: Option<f64>,
+    /// By a sample of the visible points; `None` where pixels were counted or no ray was sent.
+    pub sampled: Option<Estimate>,
     /// The trial of this size; `None` when nothing was measured.
     pub chosen: Option<Trial>,
     /// Of its wrong pixels, certain or not, those owed to bias.
@@ -53,7 +56,12 @@ impl Certified {
         let limit = bound_limit(question.quality, question.film);
         match &self.chosen {
             Some(trial) => trial.error_over_bound(question),
-            None => self.predicted_at_quantile.unwrap_or_else(|| predicted_limit(&self.predicted)) / limit,
+            None => {
+                let sampled = self
+                    .sampled
+                    .map_or(0.0, |Estimate { wrong: [certain, uncertain], .. }| least_limit(certain, uncertain));
+                self.predicted_at_quantile.unwrap_or_else(|| predicted_limit(&self.predicted).max(sampled)) / limit
+            }
         }
     }
 
@@ -188,6 +196,7 @@ fn certified(
         predicted: predict(&fitted.regions, &fitted.shares, grid.texels(index)),
         predicted_at_quantile: predicted_at_quantile(question, fitted, grid.texels(index)),
         sizes,
+        sampled: None,
         chosen,
         self_shadow,
         tried: tried.into_iter().map(|(_, t, _)| t).collect(),
@@ -207,23 +216,6 @@ pub fn trial(
     let meets = at_quantile.map_or_else(|| verdict.meets(limit), |value| value <= limit);
     let trial = Trial { sizes, verdict, at_quantile, meets };
     (Probe { meets, ratio: trial.error_over_bound(question) }, trial)
-}
-
-/// Chooses by the prediction alone.
-pub fn predict_only(question: &FilmQuestion, fitted: &FittedLight) -> Certified {
-    let grid = grid_of(question, fitted);
-    let index = grid.at_least(fitted.texels);
-    let texels = grid.texels(index);
-    Certified {
-        met: texels >= fitted.texels,
-        sizes: grid.sizes(index).to_vec(),
-        bias: default_bias(&question.map.bias),
-        predicted: predict(&fitted.regions, &fitted.shares, texels),
-        predicted_at_quantile: predicted_at_quantile(question, fitted, texels),
-        chosen: None,
-        self_shadow: 0,
-        tried: Vec::new(),
-    }
 }
 
 /// The sizes that a light's maps may have.

@@ -8,12 +8,14 @@ mod judge;
 mod nearby;
 mod params;
 mod polish;
+mod sampled;
 mod search;
 mod shares;
 mod sizes;
+mod unmeasured;
 
 pub use bias::{default_bias, measured_bias};
-pub use certify::{Certified, Trial, certify, choose, grid_of, predict_only, predicted_at_quantile, refined, trial};
+pub use certify::{Certified, Trial, certify, choose, grid_of, predicted_at_quantile, refined, trial};
 pub use choice::{
     Contest, Entrant, Ladder, Need, Planned, Rung, SINGLE_MAP, Standing, Stop, TriedRung, auto, best, climb, improved,
     planned, rungs,
@@ -24,6 +26,8 @@ pub use fitted::{
 pub use judge::{Judge, JudgedMap, OnFilm, other_biases};
 pub use params::{AspectRule, BiasParams, Bound, MapParams, Measure, QualityParams, SIZE_MAX, SingleSided, TEXELS_MAX};
 pub use polish::{Drawing, Turn, polish, polishes, size_on_grid};
+pub use sampled::{Estimate, Sampled};
 pub use search::{Probe, grown, smallest};
 pub use shares::shares;
 pub use sizes::{SizeGrid, texels};
+pub use unmeasured::Unmeasured;

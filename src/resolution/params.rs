@@ -34,7 +34,8 @@ pub enum Measure {
     /// and larger sizes are measured until one meets; no smaller one is tried. Segments of a shot are measured as with
     /// `always`.
     Check,
-    /// Planned from the prediction alone; the plan says so.
+    /// No map is drawn: sizes and bias follow the prediction and a sample of the visible points, looked up by rays; the plan
+    /// says so.
     Never,
 }
 

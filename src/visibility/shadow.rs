@@ -59,7 +59,12 @@ pub const EDGE_ON_DEGREES: f64 = 1.0;
 
 /// Whether a surface lies within [`EDGE_ON_DEGREES`] of edge-on to a light, or faces away.
 pub fn edge_on(surface: &Surface, light: &Light) -> bool {
-    surface.normal.dot(light.towards(surface.position).normalize()) < EDGE_ON_DEGREES.to_radians().sin()
+    edge_on_at(surface.position, surface.normal, light)
+}
+
+/// The same for a plane through a position with a unit normal.
+pub fn edge_on_at(position: DVec3, normal: DVec3, light: &Light) -> bool {
+    normal.dot(light.towards(position).normalize()) < EDGE_ON_DEGREES.to_radians().sin()
 }
 
 /// Whether a light reaches a surface. Both sides of triangles shadow. The ray runs to the light's position less the

@@ -101,6 +101,7 @@ pub(crate) fn error(misclassified: u64, met: bool) -> LightError {
             misclassified: 1900.5,
             uncertain: 0.5,
             unsaturated: 2500.25,
+            sampled: None,
             displacement: Some(0.5),
             footprint: None,
         }),

@@ -4,6 +4,7 @@
 
 use super::super::light_entry::{light_error, map_entries, not_met_reason, seen, solver_report};
 use super::super::pieces::{Answer, FrameLight};
+use super::super::seen::Seen;
 use super::super::stage::FrameStage;
 use super::super::{LightPlan, PlanError, SolverReport, Status};
 use super::held::Held;
@@ -12,11 +13,12 @@ use crate::measure::{Drawn, Receivers};
 use crate::methods::{Prediction, Region};
 use crate::raster::{Bias, RasterError};
 use crate::resolution::{
-    Certified, FilmQuestion, FittedLight, Judge, JudgedMap, Probe, Trial, default_bias, measured_bias, predict,
-    predicted_at_quantile, predicted_texels, smallest, trial,
+    Certified, FilmQuestion, FittedLight, Judge, JudgedMap, Probe, Sampled, Trial, default_bias, measured_bias,
+    predict, predicted_at_quantile, predicted_texels, smallest, trial,
 };
 use crate::scene::Light;
 use crate::shot::{Content, LightPart, in_frame};
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Instant;
@@ -70,6 +72,11 @@ impl SegmentFrame<'_> {
         let in_light: Vec<Region> = super::window::maps(held, frame, held.size).into_iter().map(|m| m.region).collect();
         let regions = in_frame(&in_light, &part.edges);
         let question = stage.question(here, job);
+        let answers = match film {
+            Some(_) => Vec::new(),
+            None => stage.grid.answers(stage.tracer, stage.camera, here, stage.offset),
+        };
+        let seen = seen(stage, &answers, film);
         let before = self.state.answer.as_ref().map(|a| a.tried.clone()).unwrap_or_default();
         let mut found = match film.and_then(|film| stage.on_film(film)) {
             Some(on) => {
@@ -80,19 +87,15 @@ impl SegmentFrame<'_> {
                 entry.cost.triangles_drawn = judge.triangles_drawn;
                 found
             }
-            None => predicted(&question, held, &regions),
+            None => predicted(&question, held, &regions, sampled(stage, &question, &seen).as_ref(), &at),
         };
+        entry.cost.rays += found.certified.sampled.map_or(0, |s| s.rays);
         let texels = held.grid.texels(found.place);
         let certified = &mut found.certified;
         certified.predicted = predict(&regions, &held.fitted.shares, texels);
         let frame_fitted = FittedLight { regions, ..held.fitted.clone() };
         certified.predicted_at_quantile = predicted_at_quantile(&question, &frame_fitted, texels);
         let error = certified.error_over_bound(&question);
-        let answers = match film {
-            Some(_) => Vec::new(),
-            None => stage.grid.answers(stage.tracer, stage.camera, here, stage.offset),
-        };
-        let seen = seen(stage, &answers, film);
         let maps = at(found.place);
         entry.maps = map_entries((&maps, held.fitted.method), certified, here, stage, &seen);
         entry.status = if certified.met { Status::Planned } else { Status::NotMet };
@@ -176,6 +179,7 @@ impl Trials<'_> {
             bias,
             predicted: Prediction::default(),
             predicted_at_quantile: None,
+            sampled: None,
             chosen,
             self_shadow,
             tried: self.tried.iter().map(|(_, t)| t.clone()).collect(),
@@ -217,18 +221,35 @@ impl Trials<'_> {
     }
 }
 
-/// Without measurement: met where the prediction says so.
-fn predicted(question: &FilmQuestion, held: &Held, regions: &[Region]) -> Found {
+/// What stands for the film where nothing is measured; `None` where no ray can be sent.
+fn sampled<'a>(stage: &'a FrameStage, question: &'a FilmQuestion, seen: &'a [Seen]) -> Option<Sampled<'a>> {
+    if stage.images.is_some() { None } else { Sampled::new(question, stage.tracer, seen, stage.grid.grid.len()) }
+}
+
+/// Without measurement: met where the prediction says so, and where lookups do.
+fn predicted(
+    question: &FilmQuestion,
+    held: &Held,
+    regions: &[Region],
+    sampled: Option<&Sampled>,
+    maps_at: &dyn Fn(usize) -> Vec<JudgedMap>,
+) -> Found {
+    let grid = &held.grid;
     let needed = predicted_texels(question.quality, question.film, regions, &held.fitted.shares);
+    let from = (held.size, held.size);
+    let settled = sampled.map(|sampled| sampled.settle(|place| Cow::from(maps_at(place)), grid, from, held.bias));
+    let place = settled.map_or(held.size, |s| s.place);
     let certified = Certified {
-        met: held.grid.texels(held.size) >= needed,
-        sizes: held.grid.sizes(held.size).to_vec(),
-        bias: default_bias(&question.map.bias),
+        met: grid.texels(place) >= needed && settled.is_none_or(|s| s.met),
+        sizes: grid.sizes(place).to_vec(),
+        bias: settled.map_or_else(|| default_bias(&question.map.bias), |s| s.bias),
         predicted: Prediction::default(),
         predicted_at_quantile: None,
+        sampled: settled.map(|s| s.estimate),
         chosen: None,
         self_shadow: 0,
         tried: Vec::new(),
     };
-    Found { certified, place: held.size, tried: Vec::new(), missed: false, bias: None, ready: None }
+    let missed = settled.is_some_and(|s| !s.met);
+    Found { certified, place, tried: Vec::new(), missed, bias: settled.map(|s| s.bias), ready: None }
 }

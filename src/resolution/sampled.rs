@@ -1,0 +1,133 @@
+//! Bias and size where no map is drawn: a sample of the visible points is looked up by rays.
+
+use super::bias::biases;
+use super::{Bound, FilmQuestion, JudgedMap, Probe, SingleSided, SizeGrid, bound_limit, smallest};
+use crate::measure::{Seen, Undrawn, least_limit, look_up_by_rays};
+use crate::raster::Bias;
+use crate::visibility::Tracer;
+use rayon::prelude::*;
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::convert::Infallible;
+
+/// Points looked up at most, evenly thinned: with a bound of a thousandth of the film, thirty wrong ones decide.
+const POINTS: usize = 1 << 15;
+/// Of so many points one is looked up for a rough answer.
+const ROUGH: usize = 4;
+
+/// Visible points of a light that stand for its film.
+pub struct Sampled<'a> {
+    question: &'a FilmQuestion<'a>,
+    tracer: &'a Tracer<'a>,
+    points: Cow<'a, [Seen]>,
+    pixels_a_point: f64,
+}
+
+/// Bias and size by lookups.
+#[derive(Clone, Copy, Debug)]
+pub struct Settled {
+    /// The size's place on the grid: the largest where none meets the bound.
+    pub place: usize,
+    /// The bound is expected to hold there.
+    pub met: bool,
+    /// The bias.
+    pub bias: Bias,
+    /// What came of the lookups.
+    pub estimate: Estimate,
+}
+
+/// Wrong pixels, estimated.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Estimate {
+    /// With a certain and with an uncertain exact answer.
+    pub wrong: [f64; 2],
+    /// Rays that it took.
+    pub rays: u64,
+}
+
+impl<'a> Sampled<'a> {
+    /// Of the points that `positions` evenly spread film positions see and that face the light. `None` where rays do not tell
+    /// what would be drawn: where one side of triangles is left out.
+    pub fn new(
+        question: &'a FilmQuestion<'a>,
+        tracer: &'a Tracer<'a>,
+        seen: &'a [Seen],
+        positions: usize,
+    ) -> Option<Sampled<'a>> {
+        let pixels_a_point = question.film.pixels() as f64 / positions.max(1) as f64;
+        let all = Sampled { question, tracer, points: Cow::Borrowed(seen), pixels_a_point };
+        (question.map.single_sided == SingleSided::Both).then(|| all.thinned(seen.len().div_ceil(POINTS).max(1)))
+    }
+
+    /// Few of the points.
+    pub fn rough(&self) -> Sampled<'a> {
+        self.thinned(ROUGH)
+    }
+
+    fn thinned(&self, stride: usize) -> Sampled<'a> {
+        let points = self.points.iter().step_by(stride).copied().collect();
+        Sampled { points, pixels_a_point: self.pixels_a_point * stride as f64, ..*self }
+    }
+
+    /// The smallest size from `least` on at which the bound is expected to hold, sought from `guess` on, and the best bias
+    /// there unless it is given. Where the bound is no count of pixels, sizes are predicted well: only the bias is chosen, at
+    /// `least`.
+    pub fn settle<'b>(
+        &self,
+        maps_at: impl Fn(usize) -> Cow<'b, [JudgedMap]>,
+        grid: &SizeGrid,
+        (least, guess): (usize, usize),
+        bias: Option<Bias>,
+    ) -> Settled {
+        let limit = bound_limit(self.question.quality, self.question.film);
+        let counts = self.question.quality.bound == Bound::Misclassified;
+        let trial_at = |place: usize| self.trial(&maps_at(place), grid.sizes(place), bias);
+        let mut tried: BTreeMap<usize, (Bias, [f64; 2])> = BTreeMap::new();
+        let mut probe = |k: usize| {
+            let trial = trial_at(least + k);
+            let value = self.expected_limit(trial.1);
+            tried.insert(least + k, trial);
+            Ok::<_, Infallible>(Probe { meets: !counts || value <= limit, ratio: value / limit })
+        };
+        let Ok(found) = if counts {
+            smallest(grid.len() - least, guess.saturating_sub(least), self.question.map.step, probe)
+        } else {
+            probe(0).map(|_| Some(0))
+        };
+        let place = found.map_or(grid.len() - 1, |k| least + k);
+        let (bias, wrong) = tried.get(&place).copied().unwrap_or_else(|| trial_at(place));
+        let rays = (tried.len() * self.points.len()) as u64;
+        Settled { place, met: found.is_some(), bias, estimate: Estimate { wrong, rays } }
+    }
+
+    /// The best bias, ties go to the earlier one, or the one given, and the estimated certain and uncertain wrong pixels.
+    fn trial(&self, maps: &[JudgedMap], sizes: &[[u32; 2]], bias: Option<Bias>) -> (Bias, [f64; 2]) {
+        let FilmQuestion { light, map, .. } = self.question;
+        let undrawn = maps.iter().zip(sizes).map(|(map, &size)| Undrawn {
+            domain: &map.region.domain,
+            clip_from_scene: &map.clip_from_scene,
+            size,
+        });
+        let maps: Vec<Undrawn> = undrawn.collect();
+        let all = bias.map_or_else(|| biases(&map.bias), |bias| vec![bias]);
+        let slope_max = all.iter().map(|bias| bias.slope).fold(0.0, f64::max);
+        let found = look_up_by_rays(self.tracer, light, &maps, &self.points, slope_max);
+        let wrong_under = |bias: Bias| {
+            let wrong = found.iter().filter(|f| f.wrong(bias, map.outside));
+            wrong.fold([0_u64; 2], |[certain, uncertain], f| match f.uncertain {
+                false => [certain + 1, uncertain],
+                true => [certain, uncertain + 1],
+            })
+        };
+        let counts: Vec<[u64; 2]> = all.par_iter().map(|bias| wrong_under(*bias)).collect();
+        let best = (0..all.len()).min_by_key(|k| counts[*k].iter().sum::<u64>()).unwrap_or(0);
+        (all[best], counts[best].map(|points| points as f64 * self.pixels_a_point))
+    }
+
+    /// The smallest limit, pixels, that so many wrong ones are expected to meet: one standard deviation of a count more than
+    /// the estimate, so that what is said to be met mostly is.
+    fn expected_limit(&self, [certain, uncertain]: [f64; 2]) -> f64 {
+        let value = least_limit(certain, uncertain);
+        value + (value * self.pixels_a_point).sqrt()
+    }
+}

@@ -1,0 +1,77 @@
+//! Maps where nothing is measured: sizes by the prediction and, where rays can be sent, by a sample of lookups.
+
+use super::bias::default_bias;
+use super::certify::{grid_of, predicted_at_quantile};
+use super::fitted::{fit_again, fit_light, predict};
+use super::{Certified, FilmQuestion, FittedLight, JudgedMap, Planned, Sampled, texels};
+use crate::depth::DepthError;
+use crate::measure::Receivers;
+use crate::samples::LightSamples;
+use glam::DVec3;
+use std::borrow::Cow;
+
+/// What maps that are not measured are made from.
+pub struct Unmeasured<'a> {
+    /// What is asked.
+    pub question: &'a FilmQuestion<'a>,
+    /// Visible points that look maps up.
+    pub receivers: &'a [DVec3],
+    /// The same, to be looked up by rays.
+    pub sampled: Option<&'a Sampled<'a>>,
+    /// Matrices and depth rows of regions.
+    pub maps_of: &'a dyn Fn(&FittedLight) -> Result<Vec<JudgedMap>, DepthError>,
+}
+
+impl Unmeasured<'_> {
+    /// Fits maps to samples. A few lookups tell how many texels they need in truth; with these they are fitted again, since
+    /// edges move less where texels are more, and others then weigh most.
+    ///
+    /// # Errors
+    /// Why there are none.
+    pub fn planned(&self, samples: &LightSamples, film: Option<&Receivers>) -> Result<Planned, String> {
+        let fitted = fit_light(self.question, samples, film).map_err(|reason| reason.to_string())?;
+        let Some(sampled) = self.sampled else { return self.of(fitted) };
+        let rough = self.settled(fitted, Some(&sampled.rough()), None)?;
+        let needed = texels(&rough.certified.sizes) as f64;
+        let again =
+            fit_again(self.question, samples, film, &rough.fitted, needed).map_err(|reason| reason.to_string())?;
+        let mut planned = self.settled(again.unwrap_or(rough.fitted), Some(sampled), Some(needed))?;
+        if let (Some(all), Some(first)) = (&mut planned.certified.sampled, rough.certified.sampled) {
+            all.rays += first.rays;
+        }
+        Ok(planned)
+    }
+
+    /// Maps of given regions.
+    ///
+    /// # Errors
+    /// Why there are none.
+    pub fn of(&self, fitted: FittedLight) -> Result<Planned, String> {
+        self.settled(fitted, self.sampled, None)
+    }
+
+    /// The larger size of the predicted one and the one that lookups ask for, sought from a guess in texels on.
+    fn settled(&self, mut fitted: FittedLight, by: Option<&Sampled>, guess: Option<f64>) -> Result<Planned, String> {
+        fitted.drop_unseen(self.receivers);
+        let maps = (self.maps_of)(&fitted).map_err(|reason| reason.to_string())?;
+        let grid = grid_of(self.question, &fitted);
+        let least = grid.at_least(fitted.texels);
+        let guess = guess.map_or(least, |texels| grid.at_least(texels));
+        let settled = by.map(|sampled| sampled.settle(|_| Cow::from(&maps), &grid, (least, guess), None));
+        let place = settled.map_or(least, |s| s.place);
+        let texels = grid.texels(place);
+        let certified = Certified {
+            met: texels >= fitted.texels && settled.is_none_or(|s| s.met),
+            sizes: grid.sizes(place).to_vec(),
+            bias: settled.map_or_else(|| default_bias(&self.question.map.bias), |s| s.bias),
+            predicted: predict(&fitted.regions, &fitted.shares, texels),
+            predicted_at_quantile: predicted_at_quantile(self.question, &fitted, texels),
+            sampled: settled.map(|s| s.estimate),
+            chosen: None,
+            self_shadow: 0,
+            tried: Vec::new(),
+        };
+        let spent = [0, 0, fitted.evaluations];
+        Ok(Planned { maps, fitted, certified, spent })
+    }
+}
