@@ -71,10 +71,14 @@ fn outcome(light: &LightPlan, job: &Job) -> String {
             let value = if bound == Bound::Displacement { m.displacement } else { m.footprint };
             format!("measured {relation} epsilon with {} of {epsilon} pixels", pixels(value))
         }
-        (None, Bound::Misclassified) => format!(
-            "predicted {relation} epsilon {epsilon} with {:.0} wrong pixels, nothing measured",
-            error.predicted.as_ref().map_or(0.0, |p| p.misclassified)
-        ),
+        (None, Bound::Misclassified) => {
+            let p = error.predicted.as_ref();
+            let (by, wrong) = match p.and_then(|p| p.sampled) {
+                Some([certain, _]) => (" by a sample of lookups", certain),
+                None => ("", p.map_or(0.0, |p| p.misclassified)),
+            };
+            format!("predicted {relation} epsilon {epsilon}{by} with {wrong:.0} wrong pixels, nothing measured")
+        }
         (None, bound) => {
             let p = error.predicted.as_ref();
             let value = p.and_then(|p| if bound == Bound::Displacement { p.displacement } else { p.footprint });
@@ -120,7 +124,9 @@ fn bias(light: &LightPlan) -> Option<String> {
         0 => " is to blame for none of the wrong pixels".to_owned(),
         n => format!(" is to blame for {n} of the wrong pixels and misplaced edges for {}", m.edge),
     });
-    let blame = blame.unwrap_or_else(|| ", the default".to_owned());
+    let sampled = light.error.as_ref().and_then(|e| e.predicted.as_ref()).is_some_and(|p| p.sampled.is_some());
+    let from = if sampled { ", the best by lookups" } else { ", the default" };
+    let blame = blame.unwrap_or_else(|| from.to_owned());
     Some(format!("a depth bias of slope {slope}{clamp}{blame}"))
 }
 

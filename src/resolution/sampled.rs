@@ -2,16 +2,15 @@
 
 use super::bias::biases;
 use super::{Bound, FilmQuestion, JudgedMap, Probe, SingleSided, SizeGrid, bound_limit, smallest};
-use crate::measure::{Seen, Undrawn, least_limit, look_up_by_rays};
+use crate::measure::{LookedUp, Seen, Undrawn, least_limit, look_up_by_rays};
 use crate::raster::Bias;
 use crate::visibility::Tracer;
-use rayon::prelude::*;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::convert::Infallible;
 
-/// Points looked up at most, evenly thinned: with a bound of a thousandth of the film, thirty wrong ones decide.
-const POINTS: usize = 1 << 15;
+/// Points looked up at most, evenly thinned: with a bound of a thousandth of the film, sixteen wrong ones decide.
+const POINTS: usize = 1 << 14;
 /// Of so many points one is looked up for a rough answer.
 const ROUGH: usize = 4;
 
@@ -112,14 +111,13 @@ impl<'a> Sampled<'a> {
         let all = bias.map_or_else(|| biases(&map.bias), |bias| vec![bias]);
         let slope_max = all.iter().map(|bias| bias.slope).fold(0.0, f64::max);
         let found = look_up_by_rays(self.tracer, light, &maps, &self.points, slope_max);
-        let wrong_under = |bias: Bias| {
-            let wrong = found.iter().filter(|f| f.wrong(bias, map.outside));
-            wrong.fold([0_u64; 2], |[certain, uncertain], f| match f.uncertain {
-                false => [certain + 1, uncertain],
-                true => [certain, uncertain + 1],
-            })
-        };
-        let counts: Vec<[u64; 2]> = all.par_iter().map(|bias| wrong_under(*bias)).collect();
+        let is_wrong = |f: &LookedUp, bias: &Bias| f.wrong(*bias, map.outside);
+        // Between the least and the most bias answers change once at most: what both answer alike all do.
+        let (least, most) = ends(&all);
+        let open: Vec<&LookedUp> = found.iter().filter(|f| is_wrong(f, &least) != is_wrong(f, &most)).collect();
+        let settled = found.iter().filter(|f| is_wrong(f, &least) && is_wrong(f, &most)).fold([0; 2], counted);
+        let wrong_under = |bias: &Bias| open.iter().copied().filter(|f| is_wrong(f, bias)).fold(settled, counted);
+        let counts: Vec<[u64; 2]> = all.iter().map(wrong_under).collect();
         let best = (0..all.len()).min_by_key(|k| counts[*k].iter().sum::<u64>()).unwrap_or(0);
         (all[best], counts[best].map(|points| points as f64 * self.pixels_a_point))
     }
@@ -130,4 +128,20 @@ impl<'a> Sampled<'a> {
         let value = least_limit(certain, uncertain);
         value + (value * self.pixels_a_point).sqrt()
     }
+}
+
+/// One more, with a certain or with an uncertain exact answer.
+fn counted([certain, uncertain]: [u64; 2], found: &LookedUp) -> [u64; 2] {
+    if found.uncertain { [certain, uncertain + 1] } else { [certain + 1, uncertain] }
+}
+
+/// A bias that adds no more than any of those, and one that adds no less.
+fn ends(all: &[Bias]) -> (Bias, Bias) {
+    let end = |a: Bias, b: &Bias, pick: fn(f64, f64) -> f64| Bias {
+        constant: pick(a.constant, b.constant),
+        slope: pick(a.slope, b.slope),
+        clamp: pick(a.clamp, b.clamp),
+    };
+    let first = all.first().copied().unwrap_or(Bias::NONE);
+    all.iter().fold((first, first), |(least, most), b| (end(least, b, f64::min), end(most, b, f64::max)))
 }
