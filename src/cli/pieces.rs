@@ -70,7 +70,7 @@ Exit codes: 0 written, 1 failure, 2 bad input, 130/143 stopped.")]
 pub(super) struct CertifyArgs {
     /// A draft of `lixel solve`, or of `lixel merge`
     draft: PathBuf,
-    /// Frames [default: all that the draft asks]
+    /// Frames [default: all, of another round those that the draft asks]
     #[arg(long, value_name = "RANGE", allow_hyphen_values = true)]
     frames: Option<String>,
     /// Where the part goes

@@ -64,7 +64,8 @@ pub fn solve(parts: &[PathBuf], job_dir: Option<&Path>, to: &Path, watch: &Watch
     put(to, Kind::Draft, identity, &job.dir, (Some(draft), frames))
 }
 
-/// Certifies the frames that lie in `range`, or all that a draft asks, into a file. Returns their number.
+/// Certifies the frames that lie in `range`, by default all of a first draft and those that a later one asks, into a file.
+/// Returns their number.
 ///
 /// # Errors
 /// As [`super::super::make`], and [`PlanError::Part`].
@@ -83,6 +84,8 @@ pub fn certify(
     let (identity, (draft, mut frames)) = (part.header.identity.clone(), drafted(part)?);
     let chosen = match range {
         Some(range) => places(&identity.frames, Some(range))?,
+        // Frames that solving has answered are copied: so the parts are all that is to be merged.
+        None if draft.round == 1 => (0..frames.len()).collect(),
         None => pending(&stages, &draft, &frames),
     };
     let mut carried = None;
