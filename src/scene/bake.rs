@@ -6,8 +6,9 @@ use super::mesh::has_area;
 use super::model::Part;
 use super::pose::Pose;
 use super::rig::Rig;
-use super::{SceneError, Triangle};
+use super::{SceneError, Triangle, tasks};
 use glam::DVec3;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering::Relaxed};
 
 /// Largest rounding of a vertex to f32 that is accepted, relative to the diagonal of the scene, before the scene is
 /// moved to an origin of its own: 2^-20 ≈ 1e-6, a thousandth of a pixel in a view of the whole scene at 1000 pixels.
@@ -64,13 +65,6 @@ impl Bounds {
     /// Corner to corner, metres.
     pub(super) fn diagonal(&self) -> f64 {
         (self.max - self.min).length()
-    }
-
-    /// Centre and radius of the sphere about the centre of the points' box that holds them all.
-    pub(super) fn sphere<I: Iterator<Item = DVec3>>(points: impl Fn() -> I) -> (DVec3, f64) {
-        let bounds = Bounds::of(points());
-        let centre = bounds.min.midpoint(bounds.max);
-        (centre, points().map(|p| p.distance_squared(centre)).fold(0.0, f64::max).sqrt())
     }
 }
 
@@ -137,23 +131,47 @@ pub(super) fn place_part(
         out.dropped += dropped;
         return Ok(());
     }
-    let placed = state.vertices(mesh, |v| (v - origin).as_vec3());
-    if !placed.iter().all(|v| v.is_finite()) {
+    let overflows = AtomicBool::new(false);
+    let placed = state.vertices(mesh, |v| {
+        let v = (v - origin).as_vec3();
+        if !v.is_finite() {
+            overflows.store(true, Relaxed);
+        }
+        v
+    });
+    if overflows.into_inner() {
         let problem = "a vertex overflows; check the scales above it, its joints and its morph weights";
         return Err(rig.node(part).pose_error(problem, time_s));
     }
     let mirrored = state.mirrors();
     let before = out.triangles.len();
-    for (&[a, b, c], k) in mesh.triangles.iter().zip(0_u32..) {
+    let dropped = AtomicUsize::new(0);
+    tasks::extend(&mut out.triangles, mesh.triangles.len(), |k| {
+        let [a, b, c] = mesh.triangles[k];
         let [b, c] = if mirrored { [c, b] } else { [b, c] };
-        let corners = [a, b, c].map(|index| placed[index as usize]);
+        let [a, b, c] = [placed[a as usize], placed[b as usize], placed[c as usize]];
+        if !has_area([a.as_dvec3(), b.as_dvec3(), c.as_dvec3()]) {
+            dropped.fetch_add(1, Relaxed);
+        }
+        [a, b, c]
+    });
+    let dropped = dropped.into_inner();
+    out.dropped += dropped;
+    if dropped == 0 {
+        out.marks.append(&mesh.marks, mirrored);
+        return Ok(());
+    }
+    let mut kept = before;
+    for (k, number) in (before..out.triangles.len()).zip(0_u32..) {
+        let corners = out.triangles[k];
         if has_area(corners.map(|v| v.as_dvec3())) {
-            out.triangles.push(corners);
-            let mark = mesh.marks.get(k);
+            out.triangles[kept] = corners;
+            kept += 1;
+            let mark = mesh.marks.get(number);
             out.marks.push(if mirrored { mark.turned() } else { mark });
         }
     }
-    out.dropped += mesh.triangles.len() - (out.triangles.len() - before);
+    out.triangles.truncate(kept);
     Ok(())
 }
 

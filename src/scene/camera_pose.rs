@@ -3,8 +3,9 @@
 //! Each property (position, look_at or rotation, fov, near, far) is a track of its own through those keys that state
 //! it, straight, smooth or in steps; a key that does not state it leaves it alone. `[camera]` itself supplies the properties that no key states.
 
-use super::camera_source::{DEFAULT_FOV_DEG, Surroundings};
+use super::camera_source::DEFAULT_FOV_DEG;
 use super::frames::time_s;
+use super::surroundings::Surroundings;
 use super::track::{Interpolation, Track, unit_quat};
 use super::{Camera, CameraKey, CameraParams, Projection, SceneError};
 use glam::{DMat3, DVec3, DVec4};

@@ -4,6 +4,7 @@ use super::camera_pose::{PosedCamera, frame_all, posed};
 use super::model::{CameraTracks, Model, Node};
 use super::names::{Found, did_you_mean, find, list, name_all};
 use super::pose::{Pose, orthonormal_rotation};
+use super::surroundings::Surroundings;
 use super::track::Track;
 use super::{Camera, CameraParams, Projection, SceneError};
 use glam::DVec3;
@@ -14,19 +15,6 @@ pub(super) const DEFAULT_FOV_DEG: f64 = 45.0;
 
 const REMEDY: &str = "choose one with --camera NAME or [camera] name, or give [camera] frame_all = true, or position \
                       and look_at";
-
-/// What a camera that is not in a file needs to know of the scene; world space, metres.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Surroundings {
-    /// Of the bounding sphere of the first frame.
-    pub centre: DVec3,
-    /// Of the bounding sphere of the first frame.
-    pub radius: f64,
-    /// Upper bound of the distance of anything from `centre`, over all frames.
-    pub reach: f64,
-    /// Of the bounding box over all frames.
-    pub diagonal: f64,
-}
 
 /// The camera of the shot.
 #[derive(Clone, Debug)]

@@ -47,18 +47,38 @@ impl Marks {
 
     /// The mark of the next triangle. Lists hold fewer than 2³¹ triangles with holes: their corners alone would fill 72 GB.
     pub fn push(&mut self, mark: Mark) {
-        if self.of.is_empty() && mark != Mark::default() {
-            self.of = vec![WHOLE; self.triangles];
-        }
-        if !self.of.is_empty() || mark != Mark::default() {
-            let slot = mark.cutout.map_or(WHOLE, |_| self.cutouts.len() as u32);
-            self.of.push(slot | if mark.two_sided { TWO_SIDED } else { 0 });
-        }
+        let slot = mark.cutout.map_or(WHOLE, |_| self.cutouts.len() as u32);
         if let Some(cutout) = mark.cutout {
             self.cutouts.push(cutout);
             self.cut.push(self.triangles as u32);
         }
-        self.triangles += 1;
+        self.extend(slot, mark.two_sided, 1);
+    }
+
+    /// Marks of the next triangles, which have no holes.
+    pub(super) fn push_whole(&mut self, two_sided: bool, count: usize) {
+        self.extend(WHOLE, two_sided, count);
+    }
+
+    /// Marks of the next triangles: those of another list, or of its triangles turned.
+    pub(super) fn append(&mut self, other: &Marks, turned: bool) {
+        if other.of.is_empty() {
+            return self.push_whole(false, other.triangles);
+        }
+        for mark in (0..other.triangles as u32).map(|k| other.get(k)) {
+            self.push(if turned { mark.turned() } else { mark });
+        }
+    }
+
+    fn extend(&mut self, slot: u32, two_sided: bool, count: usize) {
+        let of = slot | if two_sided { TWO_SIDED } else { 0 };
+        if self.of.is_empty() && of != WHOLE {
+            self.of = vec![WHOLE; self.triangles];
+        }
+        if !self.of.is_empty() || of != WHOLE {
+            self.of.resize(self.of.len() + count, of);
+        }
+        self.triangles += count;
     }
 
     /// The mark of a triangle; plain for one that has none.
@@ -102,6 +122,19 @@ mod tests {
         given.into_iter().for_each(|mark| marks.push(mark));
         assert_eq!([0, 1, 2, 3, 4].map(|k| marks.get(k)), given);
         assert_eq!(marks.cut(), [2, 4]);
+        let mut all = Marks::new();
+        all.push_whole(false, 3);
+        all.append(&marks, false);
+        all.push_whole(true, 2);
+        all.append(&marks, true);
+        let whole = [0, 1, 2, 8, 9].map(|k| all.get(k));
+        assert_eq!(
+            whole.map(|mark| (mark.two_sided, mark.cutout)),
+            [false, false, false, true, true].map(|t| (t, None))
+        );
+        assert_eq!([3, 4, 5, 6, 7].map(|k| all.get(k)), given);
+        assert_eq!([10, 11, 12, 13, 14].map(|k| all.get(k)), given.map(Mark::turned));
+        assert_eq!(all.cut(), [5, 7, 12, 14]);
         assert_eq!(marks.get(99), Mark::default());
     }
 }

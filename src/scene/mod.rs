@@ -3,7 +3,8 @@
 //! Readers (`gltf/`, `obj`, called by `read`) fill a `model`; `camera_source`, `light_source` and `frames` settle what the
 //! job leaves open; `clip` chooses the animations that play; `split` poses the model at all frames and tells still from
 //! moving parts, `rig` says where the vertices of a part are (nodes, instances, skins, morph targets), `bake` chooses the
-//! origin and makes triangles; `shot` runs the stage.
+//! origin and makes triangles, `surroundings` says how large they are together; `shot` runs the stage. `tasks` shares long
+//! lists out to threads.
 //!
 //! After this stage there are no nodes, no accessors, no units, no keyframes: only triangles in scene space, listed, or made
 //! on the spot from a mesh that is placed many times (`instance`).
@@ -38,6 +39,8 @@ mod read;
 mod rig;
 mod shot;
 mod split;
+mod surroundings;
+mod tasks;
 mod track;
 
 pub use camera::{Camera, FILM_PIXELS_MAX, Film, Projection};

@@ -61,7 +61,7 @@ pub(super) fn read(
         let triangles: Vec<[u32; 3]> = corners.iter().map(|t| t.map(|k| object.mesh.indices[k])).collect();
         let mark = |k: usize| mark(&object.mesh, corners[k], covering, model);
         builder
-            .add(&vertices, &triangles, mark)
+            .add(vertices.into(), &triangles, mark)
             .map_err(|flaw| fail(place, format!("{flaw}; export the file again")))?;
     }
     for (count, what) in [

@@ -80,7 +80,7 @@ fn as_is(path: &Path, choice: &mut Choice<'_>, model: &mut Model) -> Result<(), 
     let bytes = beside::bytes(path).map_err(|source| SceneError::Read { path: path.to_owned(), source })?;
     model.inputs.push(path.to_owned());
     if is_gltf(path, &bytes) {
-        gltf::read(path, bytes, (choice.active_scene, choice.blend, choice.reach), &mut choice.met, model)
+        gltf::read(path, &bytes, (choice.active_scene, choice.blend, choice.reach), &mut choice.met, model)
     } else if path.extension().is_some_and(|have| have.eq_ignore_ascii_case("obj")) {
         obj::read(path, &bytes, choice.blend, choice.reach, model)
     } else {
@@ -107,7 +107,7 @@ fn camera(
         keep_channels(model, |target| !matches!(target, Target::Lens(_) | Target::Near(_) | Target::Far(_)));
         let (parts, lights) = (model.parts.len(), model.lights.len());
         model.inputs.push(path.clone());
-        gltf::read(path, bytes, (choice.active_scene, BlendRule::Opaque, choice.reach), &mut choice.met, model)?;
+        gltf::read(path, &bytes, (choice.active_scene, BlendRule::Opaque, choice.reach), &mut choice.met, model)?;
         model.parts.truncate(parts);
         model.lights.truncate(lights);
         keep_channels(model, |target| match target {

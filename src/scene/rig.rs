@@ -11,12 +11,8 @@
 use super::bake::Bounds;
 use super::model::{Mesh, Model, Node, Part, Skin};
 use super::pose::Pose;
+use super::tasks;
 use glam::{DAffine3, DVec3};
-use rayon::prelude::*;
-
-/// Vertices posed by one task, at least: some tens of microseconds of work, more than it takes to hand a task over. Small
-/// meshes, of which there may be a million, stay on their thread.
-const VERTICES_A_TASK: usize = 4096;
 
 /// What parts refer to.
 #[derive(Clone, Copy, Debug)]
@@ -96,29 +92,17 @@ impl PartState {
     pub(super) fn vertices<T: Send>(&self, mesh: &Mesh, wanted: impl Fn(DVec3) -> T + Sync) -> Vec<T> {
         let morphed = self.morphed(mesh);
         let vertices = morphed.as_deref().unwrap_or(&mesh.vertices);
-        let place = |(index, &v): (usize, &DVec3)| wanted(self.place(mesh, index, v));
-        if vertices.len() < 2 * VERTICES_A_TASK {
-            return vertices.iter().enumerate().map(place).collect();
-        }
-        vertices.par_iter().enumerate().with_min_len(VERTICES_A_TASK).map(place).collect()
+        let mut placed = Vec::new();
+        tasks::extend(&mut placed, vertices.len(), |k| wanted(self.place(mesh, k, vertices[k])));
+        placed
     }
 
     /// The box of the vertices of the part's mesh, world.
     pub(super) fn bounds(&self, mesh: &Mesh) -> Bounds {
         let morphed = self.morphed(mesh);
         let vertices = morphed.as_deref().unwrap_or(&mesh.vertices);
-        let of = |(task, run): (usize, &[DVec3])| {
-            let first = task * VERTICES_A_TASK;
-            Bounds::of(run.iter().enumerate().map(|(k, &v)| self.place(mesh, first + k, v)))
-        };
-        let tasks = vertices.par_chunks(VERTICES_A_TASK).enumerate().map(of);
-        tasks.reduce(
-            || Bounds::EMPTY,
-            |mut a, b| {
-                a.extend(b.ends());
-                a
-            },
-        )
+        let boxes = tasks::runs(vertices.len(), |run| Bounds::of(run.map(|k| self.place(mesh, k, vertices[k]))));
+        Bounds::of(boxes.iter().flat_map(Bounds::ends))
     }
 
     /// Vertices with the morph targets laid on; `None` without any in use.
@@ -135,6 +119,7 @@ impl PartState {
         Some(vertices)
     }
 
+    #[inline(always)]
     fn place(&self, mesh: &Mesh, index: usize, vertex: DVec3) -> DVec3 {
         let Some((own, joints)) = self.matrices.split_last() else { return vertex };
         match mesh.influences.as_ref().filter(|_| !joints.is_empty()).map(|influences| influences.of(index)) {

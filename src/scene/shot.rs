@@ -1,7 +1,7 @@
 //! Files and parameters → a [`Shot`]: the scene, the film and the frames to plan.
 
-use super::bake::{self, Bounds, Placed, place_part};
-use super::camera_source::{self, CameraSource, Surroundings};
+use super::bake::{self, Placed, place_part};
+use super::camera_source::{self, CameraSource};
 use super::clip;
 use super::frames::{self, DEFAULT_FPS, FrameTime};
 use super::instance::Shared;
@@ -12,6 +12,7 @@ use super::model::{Mesh, Model, Node, Part, Skin};
 use super::pose::Pose;
 use super::rig::Rig;
 use super::split::{self, Split};
+use super::surroundings::Surroundings;
 use super::{
     Camera, CameraParams, FILM_PIXELS_MAX, Film, FramesParams, Geometry, ImageParams, Instance, LightParams,
     SceneError, SceneFile, SceneFrame, SharedMesh, Triangle, VisibilityParams, read,
@@ -142,7 +143,7 @@ pub fn load(params: &ShotParams<'_>) -> Result<Shot, SceneError> {
         return Err(SceneError::NoTriangles { files: files.join(", ") });
     }
     let around = match params.images {
-        None => surroundings(&[&still, &moving], &shared, &split.bounds, origin),
+        None => Surroundings::of(&[&still, &moving], &shared, &split.bounds, origin),
         Some(_) => {
             let (centre, radius) = (DVec3::ZERO, SIZE_UNKNOWN_M / 2.0);
             Surroundings { centre, radius, reach: radius, diagonal: SIZE_UNKNOWN_M }
@@ -281,23 +282,6 @@ fn placed(
     }
     placed.number();
     Ok(placed)
-}
-
-fn surroundings(placed: &[&Placed], shared: &Shared, bounds: &Bounds, origin: DVec3) -> Surroundings {
-    let vertices = || {
-        let listed = placed.iter().flat_map(|placed| placed.triangles.iter().flatten().copied());
-        let instanced = placed
-            .iter()
-            .flat_map(|placed| &placed.instances)
-            .flat_map(|instance| shared.meshes[instance.mesh as usize].vertices.iter().map(|v| instance.place(*v)));
-        listed.chain(instanced).map(|v| v.as_dvec3() + origin)
-    };
-    let (centre, radius) = match vertices().next() {
-        Some(_) => Bounds::sphere(vertices),
-        None => Bounds::sphere(|| bounds.ends().into_iter()),
-    };
-    let reach = bounds.corners().into_iter().map(|corner| corner.distance(centre)).fold(radius, f64::max);
-    Surroundings { centre, radius, reach, diagonal: bounds.diagonal() }
 }
 
 /// The film: as the job says, else 1920 wide at the camera's aspect.

@@ -6,7 +6,7 @@ use super::buffers::{Allowance, Buffers};
 use super::document::{Accessor, Document, entry, malformed};
 use crate::scene::SceneError;
 use crate::scene::beside::Reach;
-use rayon::prelude::*;
+use crate::scene::tasks;
 use std::path::Path;
 
 /// Most elements of an accessor without a buffer view. It is all zeros but for its sparse entries, and nothing but the
@@ -22,7 +22,7 @@ pub(super) struct Source<'a> {
     /// Parsed.
     pub document: &'a Document,
     /// Loaded.
-    pub buffers: &'a Buffers,
+    pub buffers: &'a Buffers<'a>,
     /// Which files the document may name.
     pub reach: Reach,
 }
@@ -62,6 +62,7 @@ impl Component {
 
     /// The number at the start of `b`, which holds at least [`Component::bytes`]. Normalised integers by the formulas
     /// of section 3.6.2.2.
+    #[inline(always)]
     fn decode(self, b: &[u8], normalized: bool) -> f64 {
         let (value, top) = match self {
             Component::I8 => (f64::from(b[0].cast_signed()), 127.0),
@@ -94,13 +95,13 @@ impl<'a> Source<'a> {
             }
             let count = decoded.bytes.len() / element;
             let all = Strided { bytes: &decoded.bytes, element, stride: element, count };
-            return Ok(decode_all(all, |value| value, decoded.component, accessor.normalized));
+            return Ok(decode_all(all, same, decoded.component, accessor.normalized));
         }
         let component = self.component(&place, accessor.component_type)?;
         let mut values = match accessor.buffer_view {
             Some(view) => {
                 let bytes = self.view_bytes::<N>(&place, view, accessor.byte_offset, component, accessor.count)?;
-                decode_all(bytes, |value| value, component, accessor.normalized)
+                decode_all(bytes, same, component, accessor.normalized)
             }
             None if accessor.count > self.buffers.allows(ELEMENTS_WITHOUT_BYTES) => {
                 let (count, most) = (accessor.count, self.buffers.allows(ELEMENTS_WITHOUT_BYTES));
@@ -166,8 +167,8 @@ impl<'a> Source<'a> {
         let value_bytes =
             self.view_bytes::<N>(place, sparse.values.buffer_view, sparse.values.byte_offset, component, sparse.count)?;
         let count = values.len();
-        let targets = decode_all::<1, _>(index_bytes, |value| value, index_type, false);
-        let given = decode_all(value_bytes, |value| value, component, accessor.normalized);
+        let targets = decode_all::<1, _>(index_bytes, same, index_type, false);
+        let given = decode_all(value_bytes, same, component, accessor.normalized);
         for ([target], value) in targets.into_iter().zip(given) {
             let slot = values
                 .get_mut(target as usize)
@@ -242,22 +243,42 @@ struct Strided<'a> {
     count: usize,
 }
 
-/// Elements decoded by one task, at least.
-const ELEMENTS_A_TASK: usize = 16_384;
-
 /// All elements, in the form wanted; their bytes have been bounds checked.
-fn decode_all<const N: usize, T: Send>(
+fn decode_all<const N: usize, T: Clone + Send>(
     from: Strided<'_>,
     wanted: impl Fn([f64; N]) -> T + Sync,
     component: Component,
     normalized: bool,
 ) -> Vec<T> {
-    let one = |k: usize| {
+    let mut all = vec![wanted([0.0; N]); from.count];
+    // Loops of their own: what is stored is not asked for every number.
+    tasks::fill(&mut all, |first, run| match component {
+        Component::I8 => decode_run(&from, first, run, &wanted, |b: &[u8; 1]| Component::I8.decode(b, normalized)),
+        Component::U8 => decode_run(&from, first, run, &wanted, |b: &[u8; 1]| Component::U8.decode(b, normalized)),
+        Component::I16 => decode_run(&from, first, run, &wanted, |b: &[u8; 2]| Component::I16.decode(b, normalized)),
+        Component::U16 => decode_run(&from, first, run, &wanted, |b: &[u8; 2]| Component::U16.decode(b, normalized)),
+        Component::U32 => decode_run(&from, first, run, &wanted, |b: &[u8; 4]| Component::U32.decode(b, normalized)),
+        Component::F32 => decode_run(&from, first, run, &wanted, |b: &[u8; 4]| Component::F32.decode(b, normalized)),
+    });
+    all
+}
+
+/// The elements from `first` on, whose components take `BYTES` bytes.
+fn decode_run<const N: usize, const BYTES: usize, T>(
+    from: &Strided<'_>,
+    first: usize,
+    run: &mut [T],
+    wanted: impl Fn([f64; N]) -> T,
+    decode: impl Fn(&[u8; BYTES]) -> f64,
+) {
+    for (slot, k) in run.iter_mut().zip(first..) {
         let element = &from.bytes[k * from.stride..k * from.stride + from.element];
-        wanted(std::array::from_fn(|c| component.decode(&element[c * component.bytes()..], normalized)))
-    };
-    if from.count < 2 * ELEMENTS_A_TASK {
-        return (0..from.count).map(one).collect();
+        let components = element.as_chunks::<BYTES>().0;
+        *slot = wanted(std::array::from_fn(|c| decode(&components[c])));
     }
-    (0..from.count).into_par_iter().with_min_len(ELEMENTS_A_TASK).map(one).collect()
+}
+
+/// Elements as they are.
+fn same<const N: usize>(element: [f64; N]) -> [f64; N] {
+    element
 }

@@ -5,14 +5,15 @@ use super::document::{Document, malformed};
 use super::draco;
 use crate::scene::SceneError;
 use crate::scene::beside::{self, Reach};
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 /// Bytes of a document.
 #[derive(Debug)]
-pub(super) struct Buffers {
+pub(super) struct Buffers<'a> {
     /// By buffer index; `None` for one without data (legal where an extension supplies it).
-    pub bytes: Vec<Option<Vec<u8>>>,
+    pub bytes: Vec<Option<Cow<'a, [u8]>>>,
     /// By index of the buffer view; filled when a compressed view is first asked for.
     pub decompressed: Vec<OnceLock<Vec<u8>>>,
     /// Elements of accessors that a Draco stream holds.
@@ -29,7 +30,7 @@ pub(super) struct Allowance {
     pub per_byte: u64,
 }
 
-impl Buffers {
+impl Buffers<'_> {
     /// An allowance of this file.
     pub(super) fn allows(&self, Allowance { free, per_byte }: Allowance) -> u64 {
         let bytes: u64 = self.bytes.iter().flatten().map(|bytes| bytes.len() as u64).sum();
@@ -42,21 +43,21 @@ impl Buffers {
 /// # Errors
 /// [`SceneError::Read`] for a missing file, [`SceneError::Malformed`] for a bad URI, one that leaves the scene's folder,
 /// or fewer bytes than declared.
-pub(super) fn load(
+pub(super) fn load<'a>(
     path: &Path,
     document: &Document,
-    mut bin: Option<Vec<u8>>,
+    mut bin: Option<&'a [u8]>,
     reach: Reach,
     inputs: &mut Vec<PathBuf>,
-) -> Result<Buffers, SceneError> {
+) -> Result<Buffers<'a>, SceneError> {
     let mut bytes = Vec::new();
     for (index, buffer) in document.buffers.iter().enumerate() {
         let place = format!("buffer {index}");
         let data = match &buffer.uri {
             _ if buffer.is_fallback() => None,
-            None if index == 0 => bin.take(),
+            None if index == 0 => bin.take().map(Cow::Borrowed),
             None => None,
-            Some(uri) => Some(read_uri(path, &place, uri, reach, inputs)?),
+            Some(uri) => Some(Cow::Owned(read_uri(path, &place, uri, reach, inputs)?)),
         };
         if let Some(data) = &data
             && (data.len() as u64) < buffer.byte_length

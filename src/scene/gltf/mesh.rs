@@ -11,9 +11,10 @@ use crate::scene::mask::{Cutout, Mask};
 use crate::scene::mesh::MeshBuilder;
 use crate::scene::model::{Mesh, place};
 use glam::{DVec2, DVec3};
+use std::borrow::Cow;
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::path::PathBuf;
-use std::rc::Rc;
 
 /// What was left out of the meshes of a file.
 #[derive(Clone, Copy, Debug, Default)]
@@ -33,7 +34,7 @@ pub(super) struct Reader<'a> {
     source: Source<'a>,
     materials: Materials<'a>,
     /// Decoded POSITION accessors that several primitives share, as some exporters let them, by index.
-    positions: BTreeMap<usize, Rc<Vec<DVec3>>>,
+    positions: BTreeMap<usize, Vec<DVec3>>,
     /// POSITION accessors by index: how many primitives use them.
     uses: BTreeMap<usize, usize>,
     /// So far.
@@ -71,7 +72,7 @@ impl<'a> Reader<'a> {
         for (k, primitive) in mesh.primitives.iter().enumerate() {
             let at = format!("{}, primitive {k}", place("mesh", index, mesh.name.as_deref()));
             let mode = primitive.mode.unwrap_or(4);
-            let triangles_of: fn(&[u32]) -> Vec<[u32; 3]> = match mode {
+            let triangles_of: TrianglesOf = match mode {
                 0..=3 => {
                     self.skipped.points_or_lines += 1;
                     continue;
@@ -106,24 +107,24 @@ impl<'a> Reader<'a> {
         &mut self,
         at: &str,
         primitive: &Primitive,
-        triangles_of: fn(&[u32]) -> Vec<[u32; 3]>,
+        triangles_of: TrianglesOf,
         (two_sided, cover, masks): (bool, &Cover, &[Mask]),
         builder: &mut MeshBuilder,
     ) -> Result<Vec<u32>, SceneError> {
         let source = self.source;
         // Without positions there is nothing to draw (section 3.7.2.1).
         let Some(accessor) = primitive.attributes.position else { return Ok(Vec::new()) };
-        let vertices = match self.positions.get(&accessor) {
-            Some(known) => Rc::clone(known),
-            None => {
-                let read = source.read::<3>(accessor, "VEC3")?;
-                // In place: the two are laid out alike.
-                let read = Rc::new(read.into_iter().map(DVec3::from_array).collect::<Vec<_>>());
-                if self.uses.get(&accessor).is_some_and(|uses| *uses > 1) {
-                    self.positions.insert(accessor, Rc::clone(&read));
-                }
-                read
-            }
+        let read = || -> Result<Vec<DVec3>, SceneError> {
+            // In place: the two are laid out alike.
+            Ok(source.read::<3>(accessor, "VEC3")?.into_iter().map(DVec3::from_array).collect())
+        };
+        let vertices = if self.uses.get(&accessor).is_some_and(|uses| *uses > 1) {
+            Cow::Borrowed(match self.positions.entry(accessor) {
+                Entry::Occupied(known) => known.into_mut().as_slice(),
+                Entry::Vacant(slot) => slot.insert(read()?),
+            })
+        } else {
+            Cow::Owned(read()?)
         };
         let indices = match primitive.indices {
             Some(indices) => source.read_indices(indices)?,
@@ -131,12 +132,12 @@ impl<'a> Reader<'a> {
         };
         let triangles = triangles_of(&indices);
         let added = match cover {
-            Cover::Opaque => builder.add(&vertices, &triangles, |_| Some(Mark { two_sided, cutout: None })),
-            Cover::Nothing => builder.add(&vertices, &triangles, |_| None),
+            Cover::Opaque => builder.add(vertices, &triangles, |_| Some(Mark { two_sided, cutout: None })),
+            Cover::Nothing => builder.add(vertices, &triangles, |_| None),
             Cover::Masked(cover) => {
                 let alphas = Alphas::read(source, at, primitive, cover, vertices.len())?;
                 let mask = masks.get(cover.mask as usize);
-                builder.add(&vertices, &triangles, |k| {
+                builder.add(vertices, &triangles, |k| {
                     let cutout = alphas.cutout(cover.mask, triangles[k]);
                     match mask.and_then(|mask| mask.settled(cutout.alpha)) {
                         Some(false) => None,
@@ -209,17 +210,20 @@ impl Alphas {
     }
 }
 
-fn list(indices: &[u32]) -> Vec<[u32; 3]> {
-    indices.as_chunks().0.to_vec()
+/// Indices → triangles, by the mode of a primitive.
+type TrianglesOf = fn(&[u32]) -> Cow<'_, [[u32; 3]]>;
+
+fn list(indices: &[u32]) -> Cow<'_, [[u32; 3]]> {
+    Cow::Borrowed(indices.as_chunks().0)
 }
 
-fn strip(indices: &[u32]) -> Vec<[u32; 3]> {
+fn strip(indices: &[u32]) -> Cow<'_, [[u32; 3]]> {
     let turned = |(k, w): (usize, &[u32])| if k % 2 == 0 { [w[0], w[1], w[2]] } else { [w[0], w[2], w[1]] };
     indices.windows(3).enumerate().map(turned).collect()
 }
 
-fn fan(indices: &[u32]) -> Vec<[u32; 3]> {
-    let Some((&hub, rim)) = indices.split_first() else { return Vec::new() };
+fn fan(indices: &[u32]) -> Cow<'_, [[u32; 3]]> {
+    let Some((&hub, rim)) = indices.split_first() else { return Cow::Borrowed(&[]) };
     rim.windows(2).map(|w| [w[0], w[1], hub]).collect()
 }
 
@@ -229,9 +233,9 @@ mod tests {
 
     #[test]
     fn strips_and_fans_wind_as_the_specification_says() {
-        assert_eq!(list(&[0, 1, 2, 3, 4, 5, 6]), [[0, 1, 2], [3, 4, 5]]);
-        assert_eq!(strip(&[0, 1, 2, 3, 4]), [[0, 1, 2], [1, 3, 2], [2, 3, 4]]);
-        assert_eq!(fan(&[0, 1, 2, 3]), [[1, 2, 0], [2, 3, 0]]);
+        assert_eq!(*list(&[0, 1, 2, 3, 4, 5, 6]), [[0, 1, 2], [3, 4, 5]]);
+        assert_eq!(*strip(&[0, 1, 2, 3, 4]), [[0, 1, 2], [1, 3, 2], [2, 3, 4]]);
+        assert_eq!(*fan(&[0, 1, 2, 3]), [[1, 2, 0], [2, 3, 0]]);
         for short in [&[][..], &[0], &[0, 1]] {
             assert!(list(short).is_empty() && strip(short).is_empty() && fan(short).is_empty());
         }

@@ -48,12 +48,12 @@ pub(super) fn is_glb(bytes: &[u8]) -> bool {
 /// [`SceneError::Malformed`], [`SceneError::Read`] for external buffers, [`SceneError::Unsupported`].
 pub(super) fn read(
     path: &Path,
-    mut bytes: Vec<u8>,
+    bytes: &[u8],
     (active_scene, blend, reach): (Option<&str>, BlendRule, Reach),
     scenes: &mut ScenesMet,
     model: &mut Model,
 ) -> Result<(), SceneError> {
-    let container = container::locate(path, &bytes)?;
+    let container = container::locate(path, bytes)?;
     let document = document::parse(path, &bytes[container.json])?;
     let scene = scenes.choose(&document, active_scene);
     let visits = nodes::walk(path, &document, scene)?;
@@ -68,10 +68,7 @@ pub(super) fn read(
         let count = document.scenes.len();
         notes.push(format!("{used} of {count} in the file is used; choose another with --active-scene NAME"));
     }
-    let bin = container.bin.map(|bin| {
-        bytes.truncate(bin.end);
-        bytes.split_off(bin.start)
-    });
+    let bin = container.bin.map(|bin| &bytes[bin]);
     let mut buffers = buffers::load(path, &document, bin, reach, &mut model.inputs)?;
     let meshes = in_scene.iter().filter_map(|&node| document.nodes[node].mesh).collect::<BTreeSet<_>>();
     buffers.draco = draco::decode(Source { path, document: &document, buffers: &buffers, reach }, meshes.into_iter())?;
