@@ -40,7 +40,7 @@ pub struct Settled {
 pub struct Estimate {
     /// With a certain and with an uncertain exact answer.
     pub wrong: [f64; 2],
-    /// Rays that it took.
+    /// Lookups that it took: a ray each, and short ones behind steep surfaces that are not counted.
     pub rays: u64,
 }
 

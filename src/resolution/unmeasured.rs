@@ -33,9 +33,13 @@ impl Unmeasured<'_> {
         let Some(sampled) = self.sampled else { return self.of(fitted) };
         let rough = self.settled(fitted, Some(&sampled.rough()), None)?;
         let needed = texels(&rough.certified.sizes) as f64;
-        let again =
-            fit_again(self.question, samples, film, &rough.fitted, needed).map_err(|reason| reason.to_string())?;
-        let mut planned = self.settled(again.unwrap_or(rough.fitted), Some(sampled), Some(needed))?;
+        // Where there is no second fit, or it has no depth row, the first one stands.
+        let again = fit_again(self.question, samples, film, &rough.fitted, needed).ok().flatten();
+        let again = again.and_then(|fitted| self.settled(fitted, Some(sampled), Some(needed)).ok());
+        let mut planned = match again {
+            Some(planned) => planned,
+            None => self.settled(rough.fitted, Some(sampled), Some(needed))?,
+        };
         if let (Some(all), Some(first)) = (&mut planned.certified.sampled, rough.certified.sampled) {
             all.rays += first.rays;
         }
