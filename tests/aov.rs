@@ -9,6 +9,7 @@ use lixel::aov::AovError;
 use lixel::job::{self, LoadedJob};
 use lixel::picture::{Channel, write_exr};
 use lixel::plan::{self, LightPlan, Outcome, Plan, PlanError, RangeEnd, Status, Summary, Verification};
+use lixel::resolution::SingleSided;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
@@ -94,7 +95,11 @@ fn at_texels_of(plan: &Plan, other: &Plan) -> Plan {
 #[test]
 fn images_give_the_maps_that_geometry_gives() {
     let job = geometry("light = [{ name = 'sun' }]\n[frames]\nrange = '30'", 0.005);
-    let geometry = watched(|w| plan::make(&job, courtyard_folder(), false, w)).unwrap();
+    let counted = watched(|w| plan::make(&job, courtyard_folder(), false, w)).unwrap().job;
+    // Predictions on both sides: images cannot be looked up by rays, and geometry is not where sides are left out.
+    let mut predicted = job.clone();
+    predicted.job.map.single_sided = SingleSided::CullBack;
+    let geometry = watched(|w| plan::make(&predicted, courtyard_folder(), false, w)).unwrap();
     let dir = tempfile::tempdir().unwrap();
     watched(|w| plan::render_images(&job, &dir.path().join("yard.####.exr"), w)).unwrap();
     let rest = format!("{PER_FRAME}\nlight = [{{ name = 'sun' }}]");
@@ -104,7 +109,7 @@ fn images_give_the_maps_that_geometry_gives() {
     let images = images.unwrap();
     // Drawn and counted on the courtyard, whatever they were planned from.
     let wrong = |plan: Plan| -> Vec<u64> {
-        let on_geometry = Plan { job: geometry.job.clone(), ..plan };
+        let on_geometry = Plan { job: counted.clone(), ..plan };
         let lights = verify(&on_geometry, courtyard_folder()).lights;
         lights.iter().map(|l| l.measured.unwrap() + l.uncertain.unwrap()).collect()
     };
