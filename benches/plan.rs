@@ -3,8 +3,8 @@
 //!     cargo bench --bench plan                                       frame 30 of the courtyard
 //!     LIXEL_BENCH_GLB=scene.glb cargo bench --bench plan             and frame 30 of this one
 //!
-//! The scene is loaded and its trees are built. Draft: the planning grid, the shadow edges, the fit, the size, the depth
-//! row, with the settings of `configs/draft.toml`. Exact: one ray through each of 1920 × 1080 pixels and one shadow ray from
+//! The scene is loaded and its trees are built. Draft: the planning grid, the shadow edges, the fit, lookups by rays, a
+//! second fit, the size, the depth rows, with the settings of `configs/draft.toml`. Exact: one ray through each of 1920 × 1080 pixels and one shadow ray from
 //! each that faces the light. Both use all threads, round about round; the ratio is taken in each round.
 
 use std::cell::Cell;

@@ -4,9 +4,10 @@
 //! One ray a point, and a few short ones behind steep surfaces, whatever the size of the map: so a sample of the points tells
 //! for a few thousand rays what drawing tells for all of them.
 
-use super::{Outside, Seen};
+use super::count::{answer_of, place_in};
+use super::{Looked, Outside, Seen};
 use crate::depth::MapAt;
-use crate::math::Domain;
+use crate::math::{Domain, first_holding};
 use crate::raster::Bias;
 use crate::scene::Light;
 use crate::visibility::{Tracer, edge_on_at};
@@ -61,11 +62,13 @@ const BEHIND: f64 = 1.0 / (1 << 20) as f64;
 impl LookedUp {
     /// Whether the answer is wrong under a bias.
     pub fn wrong(&self, bias: Bias, outside: Outside) -> bool {
-        let answer = match self.texel {
-            Texel::Outside => outside == Outside::Shadowed,
-            Texel::Inside(surfaces) => surfaces.iter().flatten().any(|s| s.gap > bias.of(s.slopes)),
+        let looked = match self.texel {
+            Texel::Outside => Looked::Outside,
+            Texel::Inside(surfaces) => {
+                Looked::Answered { shadowed: surfaces.iter().flatten().any(|s| s.gap > bias.of(s.slopes)) }
+            }
         };
-        answer != self.shadowed
+        answer_of(looked, outside) != self.shadowed
     }
 }
 
@@ -79,7 +82,7 @@ pub fn look_up_by_rays(
 ) -> Vec<LookedUp> {
     let scene_from_clip: Vec<DMat4> = maps.iter().map(|map| map.clip_from_scene.inverse()).collect();
     let texel = |point: DVec3| {
-        let Some(k) = maps.iter().position(|map| map.domain.holds(point)) else { return Texel::Outside };
+        let Some(k) = first_holding(maps.iter().map(|map| map.domain), point) else { return Texel::Outside };
         texel((tracer, light, slope_max), &maps[k], &scene_from_clip[k], point)
     };
     let look_up = |seen: &Seen| LookedUp {
@@ -97,21 +100,14 @@ fn texel(
     scene_from_clip: &DMat4,
     point: DVec3,
 ) -> Texel {
-    let clip = *map.clip_from_scene * point.extend(1.0);
-    let ndc = clip.truncate() / clip.w;
-    let center = |ndc: f64, size: u32| {
-        let size = f64::from(size);
-        let texel = ((ndc * 0.5 + 0.5) * size).floor();
-        (texel >= 0.0 && texel < size).then_some((texel + 0.5) / size * 2.0 - 1.0)
-    };
-    let (Some(x), Some(y), true) = (center(ndc.x, map.size[0]), center(ndc.y, map.size[1]), clip.w > 0.0) else {
-        return Texel::Outside;
-    };
+    let Some([u, v, depth]) = place_in(map.clip_from_scene, map.size, point) else { return Texel::Outside };
+    let center = |texels: f64, size: u32| (texels.floor() + 0.5) / f64::from(size) * 2.0 - 1.0;
+    let (x, y) = (center(u, map.size[0]), center(v, map.size[1]));
     let at = |depth: f64| {
         let scene = *scene_from_clip * DVec4::new(x, y, 2.0 * depth - 1.0, 1.0);
         scene.truncate() / scene.w
     };
-    let (origin, depth) = (at(0.0), (ndc.z * 0.5 + 0.5).clamp(0.0, 1.0));
+    let (origin, depth) = (at(0.0), depth.clamp(0.0, 1.0));
     let direction = -light.towards(origin);
     // Window depth that nothing stored exceeds, and where the ray comes to it: never, where the far plane lies beyond infinity.
     let end = |depth: f64| {

@@ -37,6 +37,13 @@ pub struct Drawn {
     pub map: DepthMap,
 }
 
+impl Drawn {
+    /// Where a scene point lies in it, texels, and its window depth; `None` outside.
+    fn place_of(&self, point: DVec3) -> Option<[f64; 3]> {
+        place_in(&self.clip_from_scene, [self.map.width, self.map.height], point)
+    }
+}
+
 /// Wrong answers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 pub struct Counts {
@@ -74,18 +81,18 @@ pub fn look_up(maps: &[Drawn], point: DVec3) -> Looked {
 
 /// Looks a scene point up in one map, whatever its domain.
 fn look_up_in(drawn: &Drawn, point: DVec3) -> Looked {
-    let Some([u, v, z]) = place_in(drawn, point) else { return Looked::Outside };
+    let Some([u, v, z]) = drawn.place_of(point) else { return Looked::Outside };
     let stored = drawn.map.depth[v as usize * drawn.map.width as usize + u as usize];
     Looked::Answered { shadowed: z.clamp(0.0, 1.0) as f32 > stored }
 }
 
-/// Where a scene point lies in a map, texels, and its window depth; `None` outside.
-fn place_in(drawn: &Drawn, point: DVec3) -> Option<[f64; 3]> {
-    let clip = drawn.clip_from_scene * point.extend(1.0);
+/// Where a scene point lies in a map of a size in texels, and its window depth; `None` outside.
+pub(super) fn place_in(clip_from_scene: &DMat4, size: [u32; 2], point: DVec3) -> Option<[f64; 3]> {
+    let clip = *clip_from_scene * point.extend(1.0);
     if clip.w <= 0.0 {
         return None;
     }
-    let (width, height) = (f64::from(drawn.map.width), f64::from(drawn.map.height));
+    let [width, height] = size.map(f64::from);
     let u = (clip.x / clip.w * 0.5 + 0.5) * width;
     let v = (clip.y / clip.w * 0.5 + 0.5) * height;
     let inside = u >= 0.0 && u < width && v >= 0.0 && v < height;
@@ -96,7 +103,7 @@ fn place_in(drawn: &Drawn, point: DVec3) -> Option<[f64; 3]> {
 /// `None` where no map holds it.
 pub(super) fn confidence(maps: &[Drawn], point: DVec3) -> Option<f64> {
     let drawn = maps.iter().find(|m| m.domain.holds(point))?;
-    let [u, v, _] = place_in(drawn, point)?;
+    let [u, v, _] = drawn.place_of(point)?;
     let off = |c: f64| 2.0 * (c.fract() - 0.5).abs();
     Some(1.0 - off(u).max(off(v)))
 }
@@ -173,7 +180,7 @@ pub fn answers_shadowed(maps: &[Drawn], point: DVec3, outside: Outside) -> bool 
 }
 
 /// Whether a looked-up point is taken for shadowed.
-fn answer_of(looked: Looked, outside: Outside) -> bool {
+pub(super) fn answer_of(looked: Looked, outside: Outside) -> bool {
     match looked {
         Looked::Answered { shadowed } => shadowed,
         Looked::Outside => outside == Outside::Shadowed,

@@ -6,8 +6,7 @@ use super::{Choice, PlanError, choice};
 use crate::job::Job;
 use crate::methods::{Method, Region, SolverParams};
 use crate::resolution::{
-    self, FilmQuestion, FittedLight, Judge, JudgedMap, Need, OnFilm, Planned, Rung, Sampled, Unmeasured, certify,
-    climb, rungs,
+    self, FilmQuestion, FittedLight, Judge, JudgedMap, Need, OnFilm, Planned, Rung, Unmeasured, certify, climb, rungs,
 };
 use crate::scene::Light;
 use crate::shot::in_frame;
@@ -101,10 +100,7 @@ impl Wanted<'_> {
         };
         let kept = |region: &Region, own: &[DVec3]| stage.kept(region, own, light, job);
         let maps_of = |fitted: &FittedLight| JudgedMap::of_all_by(&fitted.regions, &receivers, kept);
-        let sampled = match stage.images {
-            Some(_) => None,
-            None => Sampled::new(question, stage.tracer, seen, stage.grid.grid.len()),
-        };
+        let sampled = stage.sampled(question, seen);
         work(&Unmeasured { question, receivers: &receivers, sampled: sampled.as_ref(), maps_of: &maps_of })
     }
 }

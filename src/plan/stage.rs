@@ -1,5 +1,6 @@
 //! The stage of a frame, set from the shot: its triangles sorted for rays, its film and its planning grid seen.
 
+use super::seen::Seen;
 use super::{PlanError, images};
 use crate::aov::{Images, ImagesFrame};
 use crate::depth::{Kept, Visible};
@@ -7,7 +8,7 @@ use crate::job::Job;
 use crate::math::Bounds;
 use crate::measure::{Outside, Receivers};
 use crate::methods::Region;
-use crate::resolution::{FilmQuestion, JudgedMap, OnFilm};
+use crate::resolution::{FilmQuestion, JudgedMap, OnFilm, Sampled};
 use crate::samples::{Grid, GridView, LightSamples, LightView, sample_light};
 use crate::scene::{Camera, Film, FrameTime, Light, SceneFrame, Shot};
 use crate::shot::Temporal;
@@ -61,6 +62,11 @@ impl FrameStage<'_> {
     /// What a light's maps are measured on; `None` when nothing is measured.
     pub(crate) fn on_film<'b>(&'b self, receivers: &'b Receivers) -> Option<OnFilm<'b>> {
         Some(OnFilm { tracer: self.tracer, view: self.view?, receivers, offset: self.offset })
+    }
+
+    /// What stands for the film where nothing is measured; `None` where no ray can be sent.
+    pub(super) fn sampled<'b>(&'b self, question: &'b FilmQuestion, seen: &[Seen]) -> Option<Sampled<'b>> {
+        if self.images.is_some() { None } else { Sampled::new(question, self.tracer, seen, self.grid.grid.len()) }
     }
 
     /// Asks film and planning grid for one light; a film that is the grid is asked once.

@@ -146,25 +146,22 @@ pub fn fit_texels(
 }
 
 /// Fits a light's regions for the texels that maps fitted for much fewer were found to need; `None` when they are near
-/// enough. The texels are again those at which the prediction meets the bound.
-///
-/// # Errors
-/// [`Inapplicable`]: why the method gives no map.
+/// enough, or there is no second fit. The texels are again those at which the prediction meets the bound.
 pub(super) fn fit_again(
     question: &FilmQuestion,
     samples: &LightSamples,
     film: Option<&Receivers>,
     before: &FittedLight,
     texels: f64,
-) -> Result<Option<FittedLight>, Inapplicable> {
+) -> Option<FittedLight> {
     if texels < SIZE_CLOSE * before.texels {
-        return Ok(None);
+        return None;
     }
     let mut cover = Cover::new(question, samples, film);
-    let regions = cover.fit(texels, question.aspect())?;
+    let regions = cover.fit(texels, question.aspect()).ok()?;
     let predicted = predicted_texels(question.quality, question.film, &regions, &shares(&regions));
     let fitted = cover.fitted(regions, predicted);
-    Ok(Some(FittedLight { evaluations: before.evaluations + fitted.evaluations, ..fitted }))
+    Some(FittedLight { evaluations: before.evaluations + fitted.evaluations, ..fitted })
 }
 
 impl FittedLight {

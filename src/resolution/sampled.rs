@@ -18,7 +18,7 @@ const ROUGH: usize = 4;
 pub struct Sampled<'a> {
     question: &'a FilmQuestion<'a>,
     tracer: &'a Tracer<'a>,
-    points: Cow<'a, [Seen]>,
+    points: Vec<Seen>,
     pixels_a_point: f64,
 }
 
@@ -50,22 +50,19 @@ impl<'a> Sampled<'a> {
     pub fn new(
         question: &'a FilmQuestion<'a>,
         tracer: &'a Tracer<'a>,
-        seen: &'a [Seen],
+        seen: &[Seen],
         positions: usize,
     ) -> Option<Sampled<'a>> {
-        let pixels_a_point = question.film.pixels() as f64 / positions.max(1) as f64;
-        let all = Sampled { question, tracer, points: Cow::Borrowed(seen), pixels_a_point };
-        (question.map.single_sided == SingleSided::Both).then(|| all.thinned(seen.len().div_ceil(POINTS).max(1)))
+        let stride = seen.len().div_ceil(POINTS).max(1);
+        let pixels_a_point = question.film.pixels() as f64 / positions.max(1) as f64 * stride as f64;
+        let points = seen.iter().step_by(stride).copied().collect();
+        (question.map.single_sided == SingleSided::Both).then_some(Sampled { question, tracer, points, pixels_a_point })
     }
 
     /// Few of the points.
     pub fn rough(&self) -> Sampled<'a> {
-        self.thinned(ROUGH)
-    }
-
-    fn thinned(&self, stride: usize) -> Sampled<'a> {
-        let points = self.points.iter().step_by(stride).copied().collect();
-        Sampled { points, pixels_a_point: self.pixels_a_point * stride as f64, ..*self }
+        let points = self.points.iter().step_by(ROUGH).copied().collect();
+        Sampled { points, pixels_a_point: self.pixels_a_point * ROUGH as f64, ..*self }
     }
 
     /// The smallest size from `least` on at which the bound is expected to hold, sought from `guess` on, and the best bias

@@ -3,9 +3,11 @@
 use super::bias::default_bias;
 use super::certify::{grid_of, predicted_at_quantile};
 use super::fitted::{fit_again, fit_light, predict};
-use super::{Certified, FilmQuestion, FittedLight, JudgedMap, Planned, Sampled, texels};
+use super::sampled::Settled;
+use super::{Certified, FilmQuestion, FittedLight, JudgedMap, Planned, Sampled, SizeGrid, texels};
 use crate::depth::DepthError;
 use crate::measure::Receivers;
+use crate::methods::Prediction;
 use crate::samples::LightSamples;
 use glam::DVec3;
 use std::borrow::Cow;
@@ -34,7 +36,7 @@ impl Unmeasured<'_> {
         let rough = self.settled(fitted, Some(&sampled.rough()), None)?;
         let needed = texels(&rough.certified.sizes) as f64;
         // Where there is no second fit, or it has no depth row, the first one stands.
-        let again = fit_again(self.question, samples, film, &rough.fitted, needed).ok().flatten();
+        let again = fit_again(self.question, samples, film, &rough.fitted, needed);
         let again = again.and_then(|fitted| self.settled(fitted, Some(sampled), Some(needed)).ok());
         let mut planned = match again {
             Some(planned) => planned,
@@ -62,20 +64,35 @@ impl Unmeasured<'_> {
         let least = grid.at_least(fitted.texels);
         let guess = guess.map_or(least, |texels| grid.at_least(texels));
         let settled = by.map(|sampled| sampled.settle(|_| Cow::from(&maps), &grid, (least, guess), None));
+        let (place, mut certified) = Certified::undrawn(self.question, &grid, (least, fitted.texels), settled);
+        certified.predicted = predict(&fitted.regions, &fitted.shares, grid.texels(place));
+        certified.predicted_at_quantile = predicted_at_quantile(self.question, &fitted, grid.texels(place));
+        let spent = [0, 0, fitted.evaluations];
+        Ok(Planned { maps, fitted, certified, spent })
+    }
+}
+
+impl Certified {
+    /// Of maps that are not drawn, and their place on the grid: that which lookups settled on, else the least one; met where it
+    /// has the texels needed and lookups say so. What the prediction says there is the caller's to add.
+    pub fn undrawn(
+        question: &FilmQuestion,
+        grid: &SizeGrid,
+        (least, needed): (usize, f64),
+        settled: Option<Settled>,
+    ) -> (usize, Certified) {
         let place = settled.map_or(least, |s| s.place);
-        let texels = grid.texels(place);
         let certified = Certified {
-            met: texels >= fitted.texels && settled.is_none_or(|s| s.met),
+            met: grid.texels(place) >= needed && settled.is_none_or(|s| s.met),
             sizes: grid.sizes(place).to_vec(),
-            bias: settled.map_or_else(|| default_bias(&self.question.map.bias), |s| s.bias),
-            predicted: predict(&fitted.regions, &fitted.shares, texels),
-            predicted_at_quantile: predicted_at_quantile(self.question, &fitted, texels),
+            bias: settled.map_or_else(|| default_bias(&question.map.bias), |s| s.bias),
+            predicted: Prediction::default(),
+            predicted_at_quantile: None,
             sampled: settled.map(|s| s.estimate),
             chosen: None,
             self_shadow: 0,
             tried: Vec::new(),
         };
-        let spent = [0, 0, fitted.evaluations];
-        Ok(Planned { maps, fitted, certified, spent })
+        (place, certified)
     }
 }

@@ -4,7 +4,6 @@
 
 use super::super::light_entry::{light_error, map_entries, not_met_reason, seen, solver_report};
 use super::super::pieces::{Answer, FrameLight};
-use super::super::seen::Seen;
 use super::super::stage::FrameStage;
 use super::super::{LightPlan, PlanError, SolverReport, Status};
 use super::held::Held;
@@ -13,8 +12,8 @@ use crate::measure::{Drawn, Receivers};
 use crate::methods::{Prediction, Region};
 use crate::raster::{Bias, RasterError};
 use crate::resolution::{
-    Certified, FilmQuestion, FittedLight, Judge, JudgedMap, Probe, Sampled, Trial, default_bias, measured_bias,
-    predict, predicted_at_quantile, predicted_texels, smallest, trial,
+    Certified, FilmQuestion, FittedLight, Judge, JudgedMap, Probe, Sampled, Trial, measured_bias, predict,
+    predicted_at_quantile, predicted_texels, smallest, trial,
 };
 use crate::scene::Light;
 use crate::shot::{Content, LightPart, in_frame};
@@ -87,7 +86,7 @@ impl SegmentFrame<'_> {
                 entry.cost.triangles_drawn = judge.triangles_drawn;
                 found
             }
-            None => predicted(&question, held, &regions, sampled(stage, &question, &seen).as_ref(), &at),
+            None => predicted(&question, held, &regions, stage.sampled(&question, &seen).as_ref(), &at),
         };
         entry.cost.rays += found.certified.sampled.map_or(0, |s| s.rays);
         let texels = held.grid.texels(found.place);
@@ -221,11 +220,6 @@ impl Trials<'_> {
     }
 }
 
-/// What stands for the film where nothing is measured; `None` where no ray can be sent.
-fn sampled<'a>(stage: &'a FrameStage, question: &'a FilmQuestion, seen: &'a [Seen]) -> Option<Sampled<'a>> {
-    if stage.images.is_some() { None } else { Sampled::new(question, stage.tracer, seen, stage.grid.grid.len()) }
-}
-
 /// Without measurement: met where the prediction says so, and where lookups do.
 fn predicted(
     question: &FilmQuestion,
@@ -238,18 +232,7 @@ fn predicted(
     let needed = predicted_texels(question.quality, question.film, regions, &held.fitted.shares);
     let from = (held.size, held.size);
     let settled = sampled.map(|sampled| sampled.settle(|place| Cow::from(maps_at(place)), grid, from, held.bias));
-    let place = settled.map_or(held.size, |s| s.place);
-    let certified = Certified {
-        met: grid.texels(place) >= needed && settled.is_none_or(|s| s.met),
-        sizes: grid.sizes(place).to_vec(),
-        bias: settled.map_or_else(|| default_bias(&question.map.bias), |s| s.bias),
-        predicted: Prediction::default(),
-        predicted_at_quantile: None,
-        sampled: settled.map(|s| s.estimate),
-        chosen: None,
-        self_shadow: 0,
-        tried: Vec::new(),
-    };
+    let (place, certified) = Certified::undrawn(question, grid, (held.size, needed), settled);
     let missed = settled.is_some_and(|s| !s.met);
     Found { certified, place, tried: Vec::new(), missed, bias: settled.map(|s| s.bias), ready: None }
 }
