@@ -4,6 +4,7 @@ use super::Outside;
 use crate::scene::{Camera, Light};
 use crate::visibility::{Answer, RayOffset, Tracer, View, classify};
 use glam::DVec3;
+use rayon::prelude::*;
 
 /// Pixels facing a light and within its reach: structure of arrays.
 #[derive(Clone, Debug, Default)]
@@ -24,12 +25,16 @@ impl Receivers {
 
     /// Of a film with the exact answer of each pixel.
     pub fn new(view: &View, camera: &Camera, answers: &[Answer]) -> Receivers {
-        Receivers::at(answers, |pixel| {
-            let width = view.film.width as usize;
-            let (x, y) = ((pixel % width) as f64 + 0.5, (pixel / width) as f64 + 0.5);
-            let (origin, direction) = camera.ray(view.film, x, y);
-            Some(origin + direction * view.depths_m[pixel])
-        })
+        let facing = answers.iter().enumerate().filter(|(_, answer)| **answer != Answer::Unlit);
+        let pixels: Vec<u32> = facing.map(|(pixel, _)| pixel as u32).collect();
+        let (rays, width) = (camera.rays(view.film), view.film.width);
+        let position = |pixel: &u32| {
+            let (origin, direction) = rays.through(f64::from(pixel % width) + 0.5, f64::from(pixel / width) + 0.5);
+            origin + direction * view.depths_m[*pixel as usize]
+        };
+        let positions = pixels.par_iter().map(position).collect();
+        let shadowed = pixels.par_iter().map(|pixel| answers[*pixel as usize] == Answer::Shadowed).collect();
+        Receivers { pixels, positions, shadowed }
     }
 
     /// Of a film with the exact answer of each pixel, and the scene point seen there; a pixel without one is none.

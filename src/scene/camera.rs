@@ -59,6 +59,30 @@ impl Film {
     }
 }
 
+/// Rays through the positions of a film, as [`Camera::ray`].
+#[derive(Clone, Copy, Debug)]
+pub struct FilmRays<'a> {
+    camera: &'a Camera,
+    film: Film,
+    /// Of the view: one metre along the axis, or anywhere where rays are parallel.
+    half_height: f64,
+}
+
+impl FilmRays<'_> {
+    /// The ray through a film position.
+    pub fn through(&self, x: f64, y: f64) -> (DVec3, DVec3) {
+        let FilmRays { camera, film, half_height } = *self;
+        let ndc_x = 2.0 * x / f64::from(film.width) - 1.0;
+        let ndc_y = 1.0 - 2.0 * y / f64::from(film.height);
+        let (right, up) = (ndc_x * half_height * film.aspect(), ndc_y * half_height);
+        let m = &camera.world_from_camera;
+        match camera.projection {
+            Projection::Perspective { .. } => (camera.position, *m * DVec3::new(right, up, -1.0)),
+            Projection::Orthographic { .. } => (camera.position + *m * DVec3::new(right, up, 0.0), camera.forward()),
+        }
+    }
+}
+
 impl Camera {
     /// View axis, unit, the way the camera looks.
     pub fn forward(&self) -> DVec3 {
@@ -68,20 +92,16 @@ impl Camera {
     /// A ray through a film position (pixels, y down): its origin, and its direction scaled so that one unit of the
     /// parameter is one metre *along the view axis*. The near and far planes are then plain parameter bounds.
     pub fn ray(&self, film: Film, x: f64, y: f64) -> (DVec3, DVec3) {
-        let ndc_x = 2.0 * x / f64::from(film.width) - 1.0;
-        let ndc_y = 1.0 - 2.0 * y / f64::from(film.height);
-        let m = &self.world_from_camera;
-        match self.projection {
-            Projection::Perspective { yfov_rad } => {
-                let t = (0.5 * yfov_rad).tan();
-                let d = DVec3::new(ndc_x * t * film.aspect(), ndc_y * t, -1.0);
-                (self.position, *m * d)
-            }
-            Projection::Orthographic { half_height } => {
-                let p = DVec3::new(ndc_x * half_height * film.aspect(), ndc_y * half_height, 0.0);
-                (self.position + *m * p, self.forward())
-            }
-        }
+        self.rays(film).through(x, y)
+    }
+
+    /// The rays through a film, for many of them.
+    pub fn rays(&self, film: Film) -> FilmRays<'_> {
+        let half_height = match self.projection {
+            Projection::Perspective { yfov_rad } => (0.5 * yfov_rad).tan(),
+            Projection::Orthographic { half_height } => half_height,
+        };
+        FilmRays { camera: self, film, half_height }
     }
 
     /// Derivatives of the ray by film x and y: (∂origin/∂x, ∂direction/∂x), (∂origin/∂y, ∂direction/∂y); constant

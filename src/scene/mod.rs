@@ -43,7 +43,7 @@ mod surroundings;
 mod tasks;
 mod track;
 
-pub use camera::{Camera, FILM_PIXELS_MAX, Film, Projection};
+pub use camera::{Camera, FILM_PIXELS_MAX, Film, FilmRays, Projection};
 pub use error::SceneError;
 pub use file::{LengthUnit, SceneFile, UpAxis};
 pub use frames::{FrameTime, parse_range};

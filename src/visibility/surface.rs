@@ -24,8 +24,12 @@ pub struct Surface {
 impl Surface {
     /// The point where the ray through a film position meets a triangle, at `depth_m` along the view axis.
     pub(crate) fn new(tracer: &Tracer, camera: &Camera, film: Film, [x, y]: [f64; 2], hit: (u32, f64)) -> Surface {
-        let (triangle, depth_m) = hit;
-        let (origin, direction) = camera.ray(film, x, y);
+        Surface::on_ray(tracer, camera.ray(film, x, y), hit)
+    }
+
+    /// The same on a given ray.
+    pub(super) fn on_ray(tracer: &Tracer, ray: (DVec3, DVec3), hit: (u32, f64)) -> Surface {
+        let ((origin, direction), (triangle, depth_m)) = (ray, hit);
         let [a, b, c] = tracer.geometry().triangle_f64(triangle);
         // Triangles without area are not traced; of the thinnest slivers the length may still underflow.
         let normal = (b - a).cross(c - a).normalize_or(-direction.normalize_or_zero());

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::shadow::{Answer, RayOffset, answer};
-use super::surface::{Surface, surface_at};
+use super::surface::Surface;
 use super::trace::Tracer;
 use crate::scene::{Camera, Film, Light};
 
@@ -44,37 +44,54 @@ fn pixel_centre(film: Film, pixel: usize) -> [f64; 2] {
 
 /// One ray through the centre of every pixel. The same for any number of threads.
 pub fn see(tracer: &Tracer, camera: &Camera, film: Film) -> View {
-    let seen = by_tile(film, |pixel| {
-        let [x, y] = pixel_centre(film, pixel);
-        surface_at(tracer, camera, film, x, y).map_or((NO_TRIANGLE, f64::INFINITY), |s| (s.triangle, s.depth_m))
+    let (mut triangles, mut depths_m) = (vec![0; film.pixels()], vec![0.0; film.pixels()]);
+    let (rays, far) = (camera.rays(film), camera.far.unwrap_or(f64::INFINITY));
+    let strip = strip(film);
+    let strips = triangles.par_chunks_mut(strip).zip(depths_m.par_chunks_mut(strip)).enumerate();
+    strips.for_each(|(number, (triangles, depths_m))| {
+        for_pixels(film, triangles.len(), |i| {
+            let [x, y] = pixel_centre(film, number * strip + i);
+            let (origin, direction) = rays.through(x, y);
+            let hit = tracer.closest(origin, direction, camera.near, far);
+            (triangles[i], depths_m[i]) = hit.map_or((NO_TRIANGLE, f64::INFINITY), |hit| (hit.triangle, hit.t));
+        });
     });
-    let (triangles, depths_m) = seen.into_iter().unzip();
     View { film, triangles, depths_m }
 }
 
 /// One shadow ray from every pixel that faces the light. The same for any number of threads.
 pub fn classify(tracer: &Tracer, view: &View, camera: &Camera, light: &Light, offset: RayOffset) -> Vec<Answer> {
-    by_tile(view.film, |pixel| {
-        view.surface(tracer, camera, pixel).map_or(Answer::Unlit, |surface| answer(tracer, &surface, light, offset))
-    })
+    let film = view.film;
+    let mut answers = vec![Answer::default(); film.pixels()];
+    let (rays, strip) = (camera.rays(film), strip(film));
+    answers.par_chunks_mut(strip).enumerate().for_each(|(number, answers)| {
+        for_pixels(film, answers.len(), |i| {
+            let pixel = number * strip + i;
+            let (triangle, depth_m) = (view.triangles[pixel], view.depths_m[pixel]);
+            if triangle != NO_TRIANGLE {
+                let [x, y] = pixel_centre(film, pixel);
+                let surface = Surface::on_ray(tracer, rays.through(x, y), (triangle, depth_m));
+                answers[i] = answer(tracer, &surface, light, offset);
+            }
+        });
+    });
+    answers
 }
 
-/// A value for every pixel, row by row, computed tile by tile in parallel.
-fn by_tile<T: Copy + Default + Send>(film: Film, value: impl Fn(usize) -> T + Sync) -> Vec<T> {
+/// Pixels that one thread takes at a time: rows of tiles.
+fn strip(film: Film) -> usize {
+    (film.width.max(1) * TILE) as usize
+}
+
+/// The pixels of a strip, tile by tile.
+fn for_pixels(film: Film, pixels: usize, mut each: impl FnMut(usize)) {
     let width = film.width as usize;
-    let mut image = vec![T::default(); film.pixels()];
-    let strips = image.par_chunks_mut(width.max(1) * TILE as usize).enumerate();
-    strips.for_each(|(strip, rows)| {
-        let first = strip * width * TILE as usize;
-        let height = rows.len() / width.max(1);
-        for left in (0..width).step_by(TILE as usize) {
-            for y in 0..height {
-                for x in left..(left + TILE as usize).min(width) {
-                    let pixel = y * width + x;
-                    rows[pixel] = value(first + pixel);
-                }
+    let height = pixels / width.max(1);
+    for left in (0..width).step_by(TILE as usize) {
+        for y in 0..height {
+            for x in left..(left + TILE as usize).min(width) {
+                each(y * width + x);
             }
         }
-    });
-    image
+    }
 }
