@@ -5,7 +5,13 @@
 mod watching;
 
 use lixel::job;
+use lixel::math::{Domain, matrix_from_rows};
+use lixel::measure::{Drawn, Outside, Receivers, wrong};
 use lixel::plan::{self, Format, Outcome, Plan, Status, Summary, Verification};
+use lixel::raster::{Bias, draw};
+use lixel::resolution::other_biases;
+use lixel::scene::{self, ShotParams};
+use lixel::visibility::{Bvh, RayOffset, Tracer, see};
 use std::path::Path;
 use std::sync::LazyLock;
 use watching::watched;
@@ -112,6 +118,75 @@ fn lookups_by_rays_find_what_drawn_maps_answer_wrongly() {
         }
         assert!(compared >= 3, "{compared} lights with errors to compare");
     }
+}
+
+#[test]
+fn what_bias_is_blamed_for_by_rays_is_what_drawn_maps_blame_it_for() {
+    let job = job::load(&folder().join("courtyard.toml"), &BASE.parse().unwrap()).unwrap();
+    let shot = scene::load(&ShotParams {
+        scene: &job.scene_files(),
+        active_scene: None,
+        animation: None,
+        frames: &job.job.frames,
+        image: &job.job.image,
+        camera: &job.camera(),
+        lights: &job.job.light,
+        visibility: &job.job.visibility,
+        allow_outside: false,
+        images: None,
+    })
+    .unwrap();
+    let still = Bvh::still(&shot.scene);
+    let mut blamed = 0;
+    for planned in &MEASURED.frames {
+        let frame = shot.scene.frame(planned.time_s).unwrap();
+        let moving = Bvh::moving(&shot.scene, &frame);
+        let tracer = Tracer::new(shot.scene.geometry(&frame), &still, moving.as_ref());
+        let view = see(&tracer, &frame.camera, shot.film);
+        for (light, of_frame) in planned.lights.iter().zip(&frame.lights) {
+            let ([map], Some(error)) = (light.maps.as_slice(), light.error.as_ref()) else { continue };
+            let offset = RayOffset::for_scene(&tracer);
+            let receivers = Receivers::classify(&tracer, &view, &frame.camera, of_frame, offset);
+            let clip_from_scene = matrix_from_rows(&map.clip_from_world);
+            let wrong_under = |bias: Bias| {
+                let map = draw(tracer.geometry(), &clip_from_scene, map.width, map.height, bias).unwrap();
+                wrong(&receivers, &[Drawn { domain: Domain::All, clip_from_scene, map }], Outside::Lit)
+            };
+            let clamp = map.bias.clamp.unwrap_or(f64::INFINITY);
+            let bias = Bias { constant: map.bias.constant, slope: map.bias.slope, clamp };
+            let others = other_biases(bias).map(wrong_under);
+            let all = wrong_under(bias);
+            let drawn = all.iter().filter(|i| others.iter().any(|o| o.binary_search(i).is_err())).count() as u64;
+            let measured = error.measured.as_ref().unwrap();
+            assert_eq!(all.len() as u64, measured.edge + measured.self_shadow, "{}", light.light);
+            let by_rays = measured.self_shadow;
+            // Rays beside edges may turn by rounding.
+            assert!(by_rays.abs_diff(drawn) <= 2 + drawn / 50, "{}: {by_rays} by rays, {drawn} drawn", light.light);
+            blamed += drawn;
+        }
+    }
+    assert!(blamed > 20, "{blamed} pixels to blame bias for");
+}
+
+#[test]
+fn a_check_draws_once_what_lookups_settled_on() {
+    let drawn = |plan: &Plan| plan.frames.iter().flat_map(|f| &f.lights).map(|l| l.cost.texels_drawn).sum::<u64>();
+    let quick = "[solver]\nmeasured_rounds = 0\n";
+    let check = plan_courtyard(&format!("measure = 'check'\n{quick}"));
+    let found = verify(&check);
+    assert!(found.passed, "{}", faults(&found));
+    let mut once = 0;
+    for light in check.frames.iter().flat_map(|f| &f.lights).filter(|l| !l.maps.is_empty()) {
+        let error = light.error.as_ref().unwrap();
+        let (measured, sampled) =
+            (error.measured.as_ref().unwrap(), error.predicted.as_ref().unwrap().sampled.unwrap());
+        let (measured, sampled) = ((measured.misclassified + measured.uncertain) as f64, sampled.iter().sum::<f64>());
+        assert!((measured - sampled).abs() <= 0.01 * measured + 2.0, "{}: {measured} {sampled}", light.light);
+        once += usize::from(error.tried.len() == 1);
+    }
+    assert!(once >= 3, "{once} lights took one trial");
+    let always = plan_courtyard(quick);
+    assert!(2 * drawn(&check) < drawn(&always), "{} of {} texels drawn", drawn(&check), drawn(&always));
 }
 
 #[test]

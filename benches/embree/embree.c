@@ -1,16 +1,18 @@
 /* The rival of `cargo bench --bench visibility -- --rival PROGRAM`: the same rays through Embree 4, robust, one ray at a
- * time, one thread.
+ * time.
  *
- *   embree DIRECTORY QUALITY        QUALITY: 1 = medium (Embree's default), 2 = high (spatial splits)
+ *   embree DIRECTORY QUALITY [THREADS]        QUALITY: 1 = medium (Embree's default), 2 = high (spatial splits)
  *
  * DIRECTORY holds `triangles` (9 f32 each), and `closest` and `any` (rays: origin, t_min, direction, t_max, 8 f32 each).
  * Answers every line on stdin with a line: `build` (milliseconds), `closest` or `any` (nanoseconds of one pass over the
  * rays). The last answers are left in `closest.embree` and `any.embree`, 4 bytes a ray: the triangle or -1; 1 or 0.
  *
- * Build: cc -O2 embree.c -o embree LIBRARY, where LIBRARY is any libembree4 shared library. Embree's public interface is
+ * Build: cc -O2 -pthread embree.c -o embree LIBRARY, where LIBRARY is any libembree4 shared library. Embree's public interface is
  * declared here as far as it is used, so its headers are not needed.
  */
 #include <math.h>
+#include <pthread.h>
+#include <stdatomic.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -86,8 +88,44 @@ static Ray ray_from(const float *r) {
     return ray;
 }
 
+/* A pass over rays: threads take CHUNK of them at a time. */
+enum { CHUNK = 4096 };
+typedef struct { void *scene; const float *rays; int32_t *answers; size_t count; int any; atomic_size_t next; } Pass;
+
+static void *trace(void *argument) {
+    Pass *pass = argument;
+    for (size_t begin; (begin = atomic_fetch_add(&pass->next, CHUNK)) < pass->count;) {
+        size_t end = begin + CHUNK < pass->count ? begin + CHUNK : pass->count;
+        if (pass->any) {
+            for (size_t i = begin; i < end; i++) {
+                Ray ray = ray_from(pass->rays + 8 * i);
+                rtcOccluded1(pass->scene, &ray, NULL);
+                pass->answers[i] = ray.tfar == -INFINITY;
+            }
+        } else {
+            for (size_t i = begin; i < end; i++) {
+                RayHit q = {ray_from(pass->rays + 8 * i), {{0}, 0, 0, ~0u, ~0u, ~0u, ~0u}};
+                rtcIntersect1(pass->scene, &q, NULL);
+                pass->answers[i] = q.hit.geom == ~0u ? -1 : (int32_t)q.hit.prim;
+            }
+        }
+    }
+    return NULL;
+}
+
+static void trace_all(Pass *pass, int threads) {
+    pthread_t others[64];
+    for (int k = 1; k < threads; k++) pthread_create(&others[k], NULL, trace, pass);
+    trace(pass);
+    for (int k = 1; k < threads; k++) pthread_join(others[k], NULL);
+}
+
 int main(int argc, char **argv) {
-    if (argc != 3) { fprintf(stderr, "usage: embree DIRECTORY QUALITY\n"); return 2; }
+    int threads = argc > 3 ? atoi(argv[3]) : 1;
+    if (argc < 3 || argc > 4 || threads < 1 || threads > 64) {
+        fprintf(stderr, "usage: embree DIRECTORY QUALITY [THREADS]\n");
+        return 2;
+    }
     int quality = atoi(argv[2]);
     size_t floats, closest_floats, any_floats;
     float *vertices = read_floats(argv[1], "triangles", &floats);
@@ -107,19 +145,13 @@ int main(int argc, char **argv) {
             scene = build(device, vertices, floats, quality);
             printf("%.3f\n", (now_ns() - start) * 1e-6);
         } else if (!strncmp(line, "closest", 7)) {
-            for (size_t i = 0; i < closest_count; i++) {
-                RayHit q = {ray_from(closest + 8 * i), {{0}, 0, 0, ~0u, ~0u, ~0u, ~0u}};
-                rtcIntersect1(scene, &q, NULL);
-                closest_answers[i] = q.hit.geom == ~0u ? -1 : (int32_t)q.hit.prim;
-            }
+            Pass pass = {scene, closest, closest_answers, closest_count, 0, 0};
+            trace_all(&pass, threads);
             printf("%.0f\n", now_ns() - start);
             write_answers(argv[1], "closest.embree", closest_answers, closest_count);
         } else if (!strncmp(line, "any", 3)) {
-            for (size_t i = 0; i < any_count; i++) {
-                Ray ray = ray_from(any + 8 * i);
-                rtcOccluded1(scene, &ray, NULL);
-                any_answers[i] = ray.tfar == -INFINITY;
-            }
+            Pass pass = {scene, any, any_answers, any_count, 1, 0};
+            trace_all(&pass, threads);
             printf("%.0f\n", now_ns() - start);
             write_answers(argv[1], "any.embree", any_answers, any_count);
         }

@@ -7,6 +7,7 @@
 //! Every figure is the median of the passes; ratios are taken pass by pass, then their median. Answers that differ from
 //! the rival's are counted.
 
+mod rays;
 mod rival;
 mod scenes;
 
@@ -15,7 +16,7 @@ use std::time::Instant;
 
 use lixel::scene::Geometry;
 use lixel::visibility::{Bvh, Tracer};
-use scenes::{Ray, Workload};
+use scenes::Workload;
 
 /// Passes over all rays.
 const PASSES: usize = 7;
@@ -47,13 +48,14 @@ fn run(workload: &Workload, rival: Option<(&std::path::Path, &str)>) -> Result<(
         rays.closest.len(),
         rays.any.len()
     );
-    let mut rival = rival.map(|(program, extra)| rival::Rival::start(program, extra, triangles, &rays)).transpose()?;
+    let mut rival =
+        rival.map(|(program, extra)| rival::Rival::start(program, &[extra], triangles, &rays)).transpose()?;
     let mut rows = [("build", vec![], vec![]), ("closest", vec![], vec![]), ("any", vec![], vec![])];
     for pass in 0..PASSES {
         let mut closest = vec![-1i32; rays.closest.len()];
-        let closest_ms = milliseconds(|| trace_closest(&tracer, &rays.closest, &mut closest));
+        let closest_ms = milliseconds(|| rays.trace_closest(&tracer, &mut closest));
         let mut any = vec![0i32; rays.any.len()];
-        let any_ms = milliseconds(|| trace_any(&tracer, &rays.any, &mut any));
+        let any_ms = milliseconds(|| rays.trace_any(&tracer, &mut any));
         if pass == 0 {
             println!("  answers {:016x}", fingerprint(closest.iter().chain(&any)));
         }
@@ -79,19 +81,6 @@ fn run(workload: &Workload, rival: Option<(&std::path::Path, &str)>) -> Result<(
         println!();
     }
     Ok(())
-}
-
-fn trace_closest(tracer: &Tracer, rays: &[Ray], answers: &mut [i32]) {
-    for (ray, answer) in rays.iter().zip(answers) {
-        let hit = tracer.closest(ray.origin(), ray.direction(), ray.t_min(), ray.t_max());
-        *answer = hit.map_or(-1, |hit| hit.triangle as i32);
-    }
-}
-
-fn trace_any(tracer: &Tracer, rays: &[Ray], answers: &mut [i32]) {
-    for (ray, answer) in rays.iter().zip(answers) {
-        *answer = i32::from(tracer.occluded(ray.origin(), ray.direction(), ray.t_min(), ray.t_max()));
-    }
 }
 
 /// FNV-1a: the same on every machine, with every instruction set and number of threads.

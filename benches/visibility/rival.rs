@@ -6,7 +6,7 @@ use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
 use lixel::scene::Triangle;
 
-use crate::scenes::Rays;
+use crate::rays::Rays;
 
 /// The protocol is told in `benches/embree/embree.c`.
 pub(crate) struct Rival {
@@ -20,7 +20,7 @@ type Fallible<T> = Result<T, Box<dyn std::error::Error>>;
 
 impl Rival {
     /// Hands over triangles and rays and waits for nothing.
-    pub(crate) fn start(program: &Path, extra: &str, triangles: &[Triangle], rays: &Rays) -> Fallible<Rival> {
+    pub(crate) fn start(program: &Path, extra: &[&str], triangles: &[Triangle], rays: &Rays) -> Fallible<Rival> {
         let directory = tempfile::tempdir()?;
         let write = |name: &str, floats: Vec<f32>| {
             std::fs::write(
@@ -33,7 +33,7 @@ impl Rival {
         write("any", rays.any.iter().flat_map(|r| r.0).collect())?;
         let mut process = Command::new(program)
             .arg(directory.path())
-            .arg(extra)
+            .args(extra)
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .spawn()?;

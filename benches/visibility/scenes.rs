@@ -5,36 +5,9 @@ use std::path::Path;
 use glam::{DMat3, DVec3, Mat4, Vec3};
 use lixel::math::Prng;
 use lixel::scene::{Camera, Film, Light, LightKind, Projection, Triangle};
-use lixel::visibility::{RayOffset, Tracer, see};
+use lixel::visibility::Tracer;
 
-/// Origin, t_min, direction, t_max: f32, so that any ray tracer gets exactly the same ray.
-#[derive(Clone, Copy)]
-pub(crate) struct Ray(pub(crate) [f32; 8]);
-
-impl Ray {
-    fn new(origin: DVec3, direction: DVec3, t_min: f64, t_max: f64) -> Ray {
-        let ([ox, oy, oz], [dx, dy, dz]) = (origin.as_vec3().to_array(), direction.as_vec3().to_array());
-        Ray([ox, oy, oz, t_min as f32, dx, dy, dz, t_max as f32])
-    }
-    pub(crate) fn origin(&self) -> DVec3 {
-        Vec3::new(self.0[0], self.0[1], self.0[2]).as_dvec3()
-    }
-    pub(crate) fn direction(&self) -> DVec3 {
-        Vec3::new(self.0[4], self.0[5], self.0[6]).as_dvec3()
-    }
-    pub(crate) fn t_min(&self) -> f64 {
-        f64::from(self.0[3])
-    }
-    pub(crate) fn t_max(&self) -> f64 {
-        f64::from(self.0[7])
-    }
-}
-
-/// The rays of a workload, in the order in which a film's tiles send them.
-pub(crate) struct Rays {
-    pub(crate) closest: Vec<Ray>,
-    pub(crate) any: Vec<Ray>,
-}
+use crate::rays::Rays;
 
 /// Triangles, a camera and lights.
 pub(crate) struct Workload {
@@ -45,36 +18,10 @@ pub(crate) struct Workload {
 }
 
 const FILM: Film = Film { width: 1920, height: 1080 };
-const TILE: u32 = 16;
-
 impl Workload {
     /// Camera rays through all pixel centres, and shadow rays from what they meet where it faces a light.
     pub(crate) fn rays(&self, tracer: &Tracer) -> Rays {
-        let view = see(tracer, &self.camera, FILM);
-        let offset = RayOffset::for_scene(tracer);
-        let pixels: Vec<(u32, u32)> = (0..FILM.height)
-            .step_by(TILE as usize)
-            .flat_map(|top| (0..FILM.width).step_by(TILE as usize).map(move |left| (left, top)))
-            .flat_map(|(left, top)| {
-                let rows = top..(top + TILE).min(FILM.height);
-                rows.flat_map(move |y| (left..(left + TILE).min(FILM.width)).map(move |x| (x, y)))
-            })
-            .collect();
-        let far = self.camera.far.unwrap_or(f64::INFINITY);
-        let closest = pixels.iter().map(|&(x, y)| {
-            let (origin, direction) = self.camera.ray(FILM, f64::from(x) + 0.5, f64::from(y) + 0.5);
-            Ray::new(origin, direction, self.camera.near, far)
-        });
-        let any = self.lights.iter().flat_map(|light| {
-            pixels.iter().filter_map(|&(x, y)| {
-                let surface = view.surface(tracer, &self.camera, (y * FILM.width + x) as usize)?;
-                let origin = surface.position + surface.normal * offset.metres;
-                let towards = light.towards(origin);
-                let end = if light.position().is_some() { 1.0 } else { f64::INFINITY };
-                (surface.normal.dot(towards) > 0.0).then(|| Ray::new(origin, towards, 0.0, end))
-            })
-        });
-        Rays { closest: closest.collect(), any: any.collect() }
+        Rays::of(tracer, &self.camera, FILM, &self.lights)
     }
 }
 

@@ -2,6 +2,7 @@
 
 use crate::math::Bounds;
 use glam::{DVec3, DVec4};
+use rayon::prelude::*;
 
 /// Points of a run. Neighbours on the film mostly are neighbours in the scene.
 const RUN: usize = 256;
@@ -16,7 +17,7 @@ pub struct Visible<'a> {
 impl<'a> Visible<'a> {
     /// Of points in the order of the film.
     pub fn new(points: &'a [DVec3]) -> Visible<'a> {
-        Visible { points, runs: points.chunks(RUN).map(|run| Bounds::of(run.iter().copied())).collect() }
+        Visible { points, runs: points.par_chunks(RUN).map(|run| Bounds::of(run.iter().copied())).collect() }
     }
 
     /// At most about `count` of the points that `holds` accepts, evenly thinned.

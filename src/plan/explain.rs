@@ -109,7 +109,7 @@ fn smaller(light: &LightPlan, job: &Job) -> Option<String> {
     Some(match segment {
         Some((_, frame)) => format!("the size that frame {frame} needs"),
         None if job.quality.measure == Measure::Check => {
-            "the predicted size met, so no smaller one was tried (quality.measure = \"check\")".to_owned()
+            "the size expected met, so no smaller one was tried (quality.measure = \"check\")".to_owned()
         }
         None => "the smallest size allowed".to_owned(),
     })

@@ -99,7 +99,8 @@ impl Wanted<'_> {
             None => seen.iter().map(|s| s.position).collect(),
         };
         let kept = |region: &Region, own: &[DVec3]| stage.kept(region, own, light, job);
-        let maps_of = |fitted: &FittedLight| JudgedMap::of_all_by(&fitted.regions, &receivers, kept);
+        let maps_of =
+            |fitted: &FittedLight, receivers: &[DVec3]| JudgedMap::of_all_by(&fitted.regions, receivers, kept);
         let sampled = stage.sampled(question, seen);
         work(&Unmeasured { question, receivers: &receivers, sampled: sampled.as_ref(), maps_of: &maps_of })
     }

@@ -3,7 +3,7 @@
 use super::bias::{default_bias, measured_bias};
 use super::fitted::{bound_limit, predict, predicted_bound, predicted_limit};
 use super::judge::Judge;
-use super::sampled::Estimate;
+use super::sampled::{Estimate, Sampled};
 use super::{
     Bound, Drawing, FilmQuestion, FittedLight, Measure, Probe, SizeGrid, Turn, grown, polish, polishes, size_on_grid,
     smallest, texels,
@@ -139,6 +139,26 @@ pub fn certify(question: &FilmQuestion, fitted: &FittedLight, judge: &mut Judge)
     }
     let (bias, at_guess) = measured_bias(question, fitted, judge, &grid)?;
     smallest_size(question, fitted, judge, bias, at_guess)
+}
+
+/// Draws maps at the size and with the bias that lookups settled on; only where they are over, larger ones until some meet.
+pub fn check(
+    question: &FilmQuestion,
+    fitted: &mut FittedLight,
+    judge: &mut Judge,
+    sampled: &Sampled,
+    settled: Certified,
+) -> Result<Certified, RasterError> {
+    fitted.texels = texels(&settled.sizes) as f64;
+    let checked = smallest_size(question, fitted, judge, settled.bias, None)?;
+    let mut estimate = settled.sampled;
+    if checked.sizes != settled.sizes
+        && let Some(all) = &mut estimate
+    {
+        let there = sampled.estimate(&judge.maps, &checked.sizes, checked.bias);
+        (all.wrong, all.rays) = (there.wrong, all.rays + there.rays);
+    }
+    Ok(Certified { sampled: estimate, ..checked })
 }
 
 /// Chooses the size with a bias. `at_guess` are the receivers known to be wrong at the size that the fit expects to need.

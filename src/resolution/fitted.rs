@@ -9,6 +9,7 @@ use crate::methods::{Inapplicable, Inputs, Method, Prediction, Region, SolverPar
 use crate::samples::LightSamples;
 use crate::scene::{Camera, Film, Light};
 use glam::DVec3;
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// What is asked of one light in one frame.
@@ -211,7 +212,7 @@ impl<'a> Cover<'a> {
             let inputs = Inputs { aspect, ..self.question.inputs(self.samples, &self.covered, texels, solver) };
             let regions = solve(solver.method, &inputs)?;
             self.evaluations += regions.iter().map(|r| r.report.evaluations).sum::<u64>();
-            let outside: Vec<DVec3> = self.wanted.iter().copied().filter(|p| !held(&regions, *p)).collect();
+            let outside: Vec<DVec3> = self.wanted.par_iter().copied().filter(|p| !held(&regions, *p)).collect();
             if outside.is_empty() || round == COVER_ROUNDS {
                 return Ok(regions);
             }

@@ -1,17 +1,16 @@
 //! Draws a light's maps at a size and judges every film pixel, certain and uncertain apart.
 
-use super::{Bound, FilmQuestion, FittedLight, Measure, QualityParams};
-use crate::depth::{DepthError, DepthRow, Kept, RowKind, Visible, fit_row};
-use crate::fit::Shape;
+use super::{Bound, FilmQuestion, FittedLight, JudgedMap, Measure, QualityParams, SingleSided};
+use crate::depth::{DepthError, Visible};
 use crate::math::first_holding;
 use crate::measure::{
-    Certainty, Drawn, Receivers, UNCERTAIN_SLACK, Verdict, edge_distance, fewer_wrong, footprint, wrong,
+    Certainty, Drawn, LookedUp, Receivers, Seen, UNCERTAIN_SLACK, Undrawn, Verdict, answers_shadowed, edge_distance,
+    fewer_wrong, footprint, look_up_by_rays, wrong,
 };
 use crate::methods::Region;
 use crate::raster::{Bias, Canvas, RasterError};
+use crate::scene::Camera;
 use crate::visibility::{RayOffset, Tracer, View};
-use glam::{DMat4, DVec3, DVec4};
-use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 
 /// What maps are measured on: a frame's film, and the exact answers of one light there.
@@ -27,12 +26,19 @@ pub struct OnFilm<'a> {
     pub offset: RayOffset,
 }
 
+impl OnFilm<'_> {
+    /// A receiver, with the normal of its surface.
+    pub(super) fn seen(&self, camera: &Camera, receiver: usize) -> Option<Seen> {
+        let Receivers { pixels, positions, shadowed } = self.receivers;
+        let surface = self.view.surface(self.tracer, camera, pixels[receiver] as usize)?;
+        Some(Seen { position: positions[receiver], normal: surface.normal, shadowed: shadowed[receiver] })
+    }
+}
+
 /// Everything needed to judge one light's maps at any size.
 pub struct Judge<'a> {
-    tracer: &'a Tracer<'a>,
-    view: &'a View,
+    on: OnFilm<'a>,
     question: &'a FilmQuestion<'a>,
-    receivers: &'a Receivers,
     /// Matrices and depth ranges, in the order of the regions.
     pub maps: Vec<JudgedMap>,
     /// Scratch of drawing.
@@ -44,101 +50,12 @@ pub struct Judge<'a> {
     pub triangles_drawn: u64,
 }
 
-/// A region's matrix.
-#[derive(Clone, Debug, Deserialize, Serialize)]
-pub struct JudgedMap {
-    /// The region.
-    pub region: Region,
-    /// OpenGL clip space from scene space.
-    pub clip_from_scene: DMat4,
-    /// Its depth row and range.
-    pub depth: DepthRow,
-}
-
-impl JudgedMap {
-    /// The matrices of all regions of a light; each receiver counts for the region that answers for it.
-    ///
-    /// # Errors
-    /// [`DepthError`]: nothing visible looks a map up, or it has no finite depth row.
-    pub fn of_all(regions: &[Region], tracer: &Tracer, receivers: &[DVec3]) -> Result<Vec<JudgedMap>, DepthError> {
-        JudgedMap::of_all_by(regions, receivers, |region, own| JudgedMap::kept(region, tracer, &Visible::new(own)))
-    }
-
-    /// The same, with what a region keeps, given the receivers it answers for, found by the caller.
-    ///
-    /// # Errors
-    /// As [`JudgedMap::of_all`].
-    pub fn of_all_by<'a>(
-        regions: &[Region],
-        receivers: &[DVec3],
-        kept: impl Fn(&Region, &[DVec3]) -> Kept<'a>,
-    ) -> Result<Vec<JudgedMap>, DepthError> {
-        if let [region] = regions {
-            return Ok(vec![JudgedMap::holding(region.clone(), &kept(region, receivers))?]);
-        }
-        let mut own = vec![Vec::new(); regions.len()];
-        for point in receivers {
-            if let Some(k) = first_holding(regions.iter().map(|r| &r.domain), *point) {
-                own[k].push(*point);
-            }
-        }
-        regions.iter().zip(own).map(|(region, own)| JudgedMap::holding(region.clone(), &kept(region, &own))).collect()
-    }
-
-    /// The matrix of a region with the depth row that holds what is visible and its casters.
-    ///
-    /// # Errors
-    /// [`DepthError`]: nothing visible looks the map up, or it has no finite depth row.
-    pub fn new(region: Region, tracer: &Tracer, visible: &Visible) -> Result<JudgedMap, DepthError> {
-        let kept = JudgedMap::kept(&region, tracer, visible);
-        JudgedMap::holding(region, &kept)
-    }
-
-    /// What a region's depth range has to hold: those of the visible points that look it up, and their casters.
-    pub fn kept<'a>(region: &Region, tracer: &'a Tracer<'a>, visible: &Visible) -> Kept<'a> {
-        Kept::new(tracer, &region.space, &region.h, visible, &region.domain)
-    }
-
-    /// The matrix of a region with the depth row that holds what is kept.
-    ///
-    /// # Errors
-    /// [`DepthError`]: nothing is kept, or it has no finite row.
-    pub fn holding(region: Region, kept: &Kept) -> Result<JudgedMap, DepthError> {
-        let depth = fit_row(kept, row_kind(&region))?;
-        Ok(JudgedMap { clip_from_scene: clip_from_scene(&region, depth.row), region, depth })
-    }
-}
-
 /// A larger and no bias: what is wrong under a bias and right under one of these is owed to the bias.
 pub fn other_biases(bias: Bias) -> [Bias; 2] {
     /// How much larger the larger bias is.
     const LARGER: f64 = 4.0;
     let (constant, slope, clamp) = (bias.constant * LARGER * LARGER, bias.slope * LARGER, bias.clamp * LARGER);
     [Bias { constant, slope, clamp }, Bias::NONE]
-}
-
-/// Which depth rows a region may have. A camera's: for directional lights when p4 is constant, that is without a warp; for
-/// point and spot lights wherever the job asks for cameras, and else unless that costs depth.
-fn row_kind(region: &Region) -> RowKind {
-    let p4 = region.h.row(2);
-    match (region.space.directional, region.shape()) {
-        (true, _) if p4.x == 0.0 && p4.y == 0.0 => RowKind::Plain,
-        (true, _) => RowKind::Free,
-        (false, Shape::Projective) => RowKind::PlainIfFine,
-        (false, Shape::Affine | Shape::Rectangle) => RowKind::Plain,
-    }
-}
-
-/// The light matrix of a region: its unit square becomes clip space [-1, 1]².
-fn clip_from_scene(region: &Region, depth_row: DVec4) -> DMat4 {
-    let unit = region.space.clip_from_scene(&region.h, depth_row);
-    let clip_from_unit = DMat4::from_cols(
-        DVec4::new(2.0, 0.0, 0.0, 0.0),
-        DVec4::new(0.0, 2.0, 0.0, 0.0),
-        DVec4::new(0.0, 0.0, 1.0, 0.0),
-        DVec4::new(-1.0, -1.0, 0.0, 1.0),
-    );
-    clip_from_unit * unit
 }
 
 impl<'a> Judge<'a> {
@@ -155,30 +72,20 @@ impl<'a> Judge<'a> {
     pub fn of_maps(on: OnFilm<'a>, question: &'a FilmQuestion<'a>, maps: Vec<JudgedMap>) -> Judge<'a> {
         let OnFilm { tracer, view, receivers, offset } = on;
         let certainty = Certainty::new(tracer, view, question.camera, question.light, receivers, offset);
-        Judge {
-            tracer,
-            view,
-            question,
-            receivers,
-            maps,
-            canvas: Canvas::default(),
-            certainty,
-            texels_drawn: 0,
-            triangles_drawn: 0,
-        }
+        Judge { on, question, maps, canvas: Canvas::default(), certainty, texels_drawn: 0, triangles_drawn: 0 }
     }
 
     /// For each map the receivers that look it up, in the order of the film.
     pub fn own_receivers(&self) -> Vec<Cow<'a, Receivers>> {
         if self.maps.len() == 1 {
-            return vec![Cow::Borrowed(self.receivers)];
+            return vec![Cow::Borrowed(self.on.receivers)];
         }
         let mut own = vec![Receivers::default(); self.maps.len()];
-        for (i, point) in self.receivers.positions.iter().enumerate() {
+        for (i, point) in self.on.receivers.positions.iter().enumerate() {
             if let Some(k) = first_holding(self.maps.iter().map(|m| &m.region.domain), *point) {
-                own[k].pixels.push(self.receivers.pixels[i]);
+                own[k].pixels.push(self.on.receivers.pixels[i]);
                 own[k].positions.push(*point);
-                own[k].shadowed.push(self.receivers.shadowed[i]);
+                own[k].shadowed.push(self.on.receivers.shadowed[i]);
             }
         }
         own.into_iter().map(Cow::Owned).collect()
@@ -189,7 +96,7 @@ impl<'a> Judge<'a> {
     /// # Errors
     /// [`DepthError`], as [`JudgedMap::new`].
     pub fn judged(&self, region: &Region, visible: &Visible) -> Result<JudgedMap, DepthError> {
-        JudgedMap::new(region.clone(), self.tracer, visible)
+        JudgedMap::new(region.clone(), self.on.tracer, visible)
     }
 
     /// The smallest limit on wrong pixels that one map meets on its own receivers, some of those judged, if below `limit`.
@@ -211,9 +118,9 @@ impl<'a> Judge<'a> {
         let [Drawn { map: memory, .. }] = drawn;
         self.canvas.map = memory;
         let Some(mut wrong) = found else { return Ok(None) };
-        if own.len() < self.receivers.len() {
+        if own.len() < self.on.receivers.len() {
             // Both are in the order of the film.
-            let pixels = &self.receivers.pixels;
+            let pixels = &self.on.receivers.pixels;
             wrong = wrong
                 .iter()
                 .filter_map(|i| pixels.binary_search(&own.pixels[*i as usize]).ok())
@@ -224,7 +131,7 @@ impl<'a> Judge<'a> {
     }
 
     fn drawn(&mut self, map: &JudgedMap, [width, height]: [u32; 2], bias: Bias) -> Result<Drawn, RasterError> {
-        let (geometry, light, sides) = (self.tracer.geometry(), self.question.light, self.question.map.single_sided);
+        let (geometry, light, sides) = (self.on.tracer.geometry(), self.question.light, self.question.map.single_sided);
         let keep = |index: u32| sides.draws(geometry, light, index);
         let counts = self.canvas.draw(geometry, &map.clip_from_scene, width, height, bias, keep)?;
         self.texels_drawn += u64::from(width) * u64::from(height);
@@ -243,17 +150,17 @@ impl<'a> Judge<'a> {
 
     /// Receivers answered wrongly by drawn maps.
     pub fn wrong(&self, drawn: &[Drawn]) -> Vec<u32> {
-        wrong(self.receivers, drawn, self.question.map.outside)
+        wrong(self.on.receivers, drawn, self.question.map.outside)
     }
 
     /// The measured value of a bound at a quantile, pixels: edge distance, or texel footprint.
     pub fn at_quantile(&self, drawn: &[Drawn], wrong: &[u32]) -> f64 {
         let QualityParams { bound, quantile, .. } = *self.question.quality;
         if bound == Bound::Footprint {
-            let surface = |pixel: usize| self.view.surface(self.tracer, self.question.camera, pixel);
-            footprint(surface, self.view.film, self.question.camera, self.receivers, drawn, quantile)
+            let surface = |pixel: usize| self.on.view.surface(self.on.tracer, self.question.camera, pixel);
+            footprint(surface, self.on.view.film, self.question.camera, self.on.receivers, drawn, quantile)
         } else {
-            edge_distance(self.receivers, wrong, self.question.film, quantile)
+            edge_distance(self.on.receivers, wrong, self.question.film, quantile)
         }
     }
 
@@ -269,12 +176,12 @@ impl<'a> Judge<'a> {
 
     /// Triangles of the scene.
     pub fn triangles(&self) -> u64 {
-        self.tracer.geometry().len() as u64
+        self.on.tracer.geometry().len() as u64
     }
 
     /// The receivers judged.
     pub fn receivers(&self) -> &Receivers {
-        self.receivers
+        self.on.receivers
     }
 
     /// Wrong receivers that a larger or no bias answers right: self-shadowing and what the bias hides, not edges.
@@ -282,13 +189,25 @@ impl<'a> Judge<'a> {
         Ok((wrong.len() - self.misplaced(sizes, bias, wrong)?.len()) as u64)
     }
 
-    /// Wrong receivers that neither a larger nor no bias answers right: misplaced shadow edges.
+    /// Wrong receivers that neither a larger nor no bias answers right: misplaced shadow edges. Looked up by rays, which
+    /// takes a ray for each instead of two more maps; drawn where rays do not tell what would be.
     pub fn misplaced(&mut self, sizes: &[[u32; 2]], bias: Bias, wrong: &[u32]) -> Result<Vec<u32>, RasterError> {
+        let others = other_biases(bias);
+        let FilmQuestion { light, map, .. } = *self.question;
+        if map.single_sided == SingleSided::Both {
+            let maps: Vec<Undrawn> = self.maps.iter().zip(sizes).map(|(map, &size)| map.undrawn(size)).collect();
+            let seen: Vec<(u32, Seen)> =
+                wrong.iter().filter_map(|&i| Some((i, self.on.seen(self.question.camera, i as usize)?))).collect();
+            let points: Vec<Seen> = seen.iter().map(|(_, seen)| *seen).collect();
+            let found = look_up_by_rays(self.on.tracer, light, &maps, &points, others[0].slope);
+            let misplaced = |found: &LookedUp| others.iter().all(|other| found.wrong(*other, map.outside));
+            return Ok(seen.iter().zip(&found).filter(|(_, f)| misplaced(f)).map(|((i, _), _)| *i).collect());
+        }
         let mut edge = wrong.to_vec();
-        for other in other_biases(bias) {
+        for other in others {
             let drawn = self.draw(sizes, other)?;
-            let still_wrong = self.wrong(&drawn);
-            edge.retain(|i| still_wrong.binary_search(i).is_ok());
+            let answer = |i: usize| answers_shadowed(&drawn, self.on.receivers.positions[i], map.outside);
+            edge.retain(|i| answer(*i as usize) != self.on.receivers.shadowed[*i as usize]);
         }
         Ok(edge)
     }

@@ -30,9 +30,10 @@ pub enum Measure {
     /// the best known, and frames that are equal to an earlier one are planned again. The plan is the same but for `cost` and
     /// for what it says of equal frames.
     Full,
-    /// The predicted size is measured once, with the default bias. Only where it is over, the bias is chosen by measurement
-    /// and larger sizes are measured until one meets; no smaller one is tried. Segments of a shot are measured as with
-    /// `always`.
+    /// Size and bias by a sample of the film's pixels, looked up by rays, and one map drawn and counted. Only where it is over,
+    /// larger sizes are measured until one meets; no smaller one is tried. Where nothing is looked up (`map.single_sided`),
+    /// the predicted size with the default bias, and a bias chosen by measurement where that is over. Segments of a shot are
+    /// measured as with `always`.
     Check,
     /// No map is drawn: sizes and bias follow the prediction and a sample of the visible points, looked up by rays; the plan
     /// says so.

@@ -6,10 +6,10 @@
 //! the order of trial. Each map of a light is judged on the pixels that look it up; then texels move between the maps to
 //! where they are measured to count most.
 
-use super::judge::{Judge, JudgedMap};
 use super::nearby::Nearby;
 use super::shares::measured_shares;
 use super::{FilmQuestion, FittedLight, MapParams, SizeGrid};
+use super::{Judge, JudgedMap};
 use crate::depth::Visible;
 use crate::math::{Domain, first_holding};
 use crate::measure::{Outside, Receivers};

@@ -1,10 +1,11 @@
 //! Bias and size where no map is drawn: a sample of the visible points is looked up by rays.
 
 use super::bias::biases;
-use super::{Bound, FilmQuestion, JudgedMap, Probe, SingleSided, SizeGrid, bound_limit, smallest};
+use super::{Bound, FilmQuestion, JudgedMap, OnFilm, Probe, SingleSided, SizeGrid, bound_limit, smallest};
 use crate::measure::{LookedUp, Seen, Undrawn, least_limit, look_up_by_rays};
 use crate::raster::Bias;
 use crate::visibility::Tracer;
+use glam::DVec3;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::convert::Infallible;
@@ -13,6 +14,9 @@ use std::convert::Infallible;
 const POINTS: usize = 1 << 14;
 /// Of so many points one is looked up for a rough answer.
 const ROUGH: usize = 4;
+
+/// Multiples of the golden ratio less 1 fall evenly into the unit interval, however many are taken (Weyl).
+const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
 /// Visible points of a light that stand for its film.
 pub struct Sampled<'a> {
@@ -53,9 +57,18 @@ impl<'a> Sampled<'a> {
         seen: &[Seen],
         positions: usize,
     ) -> Option<Sampled<'a>> {
-        let stride = seen.len().div_ceil(POINTS).max(1);
+        let (stride, picked) = thinned(seen.len(), POINTS);
+        let points = picked.map(|i| seen[i]).collect();
         let pixels_a_point = question.film.pixels() as f64 / positions.max(1) as f64 * stride as f64;
-        let points = seen.iter().step_by(stride).copied().collect();
+        (question.map.single_sided == SingleSided::Both).then_some(Sampled { question, tracer, points, pixels_a_point })
+    }
+
+    /// Of the film's pixels. `None` as there.
+    pub fn of_film(question: &'a FilmQuestion<'a>, on: &OnFilm<'a>) -> Option<Sampled<'a>> {
+        let (stride, picked) = thinned(on.receivers.len(), POINTS);
+        let points = picked.filter_map(|i| on.seen(question.camera, i)).collect();
+        let tracer = on.tracer;
+        let pixels_a_point = stride as f64;
         (question.map.single_sided == SingleSided::Both).then_some(Sampled { question, tracer, points, pixels_a_point })
     }
 
@@ -63,6 +76,11 @@ impl<'a> Sampled<'a> {
     pub fn rough(&self) -> Sampled<'a> {
         let points = self.points.iter().step_by(ROUGH).copied().collect();
         Sampled { points, pixels_a_point: self.pixels_a_point * ROUGH as f64, ..*self }
+    }
+
+    /// Where they are, scene space.
+    pub fn positions(&self) -> Vec<DVec3> {
+        self.points.iter().map(|seen| seen.position).collect()
     }
 
     /// The smallest size from `least` on at which the bound is expected to hold, sought from `guess` on, and the best bias
@@ -96,15 +114,16 @@ impl<'a> Sampled<'a> {
         Settled { place, met: found.is_some(), bias, estimate: Estimate { wrong, rays } }
     }
 
+    /// What is expected of maps with a bias.
+    pub fn estimate(&self, maps: &[JudgedMap], sizes: &[[u32; 2]], bias: Bias) -> Estimate {
+        let (_, wrong) = self.trial(maps, sizes, Some(bias));
+        Estimate { wrong, rays: self.points.len() as u64 }
+    }
+
     /// The best bias, ties go to the earlier one, or the one given, and the estimated certain and uncertain wrong pixels.
     fn trial(&self, maps: &[JudgedMap], sizes: &[[u32; 2]], bias: Option<Bias>) -> (Bias, [f64; 2]) {
         let FilmQuestion { light, map, .. } = self.question;
-        let undrawn = maps.iter().zip(sizes).map(|(map, &size)| Undrawn {
-            domain: &map.region.domain,
-            clip_from_scene: &map.clip_from_scene,
-            size,
-        });
-        let maps: Vec<Undrawn> = undrawn.collect();
+        let maps: Vec<Undrawn> = maps.iter().zip(sizes).map(|(map, &size)| map.undrawn(size)).collect();
         let all = bias.map_or_else(|| biases(&map.bias), |bias| vec![bias]);
         let slope_max = all.iter().map(|bias| bias.slope).fold(0.0, f64::max);
         let found = look_up_by_rays(self.tracer, light, &maps, &self.points, slope_max);
@@ -125,6 +144,14 @@ impl<'a> Sampled<'a> {
         let value = least_limit(certain, uncertain);
         value + (value * self.pixels_a_point).sqrt()
     }
+}
+
+/// About one in so many of a row of things, at most `most` of them; one out of each run, each at another place, since things
+/// in rows of a film that are as far apart each time may all lie in a few columns.
+fn thinned(len: usize, most: usize) -> (usize, impl Iterator<Item = usize>) {
+    let stride = len.div_ceil(most).max(1);
+    let place = move |run: usize| (run as f64 * GOLDEN).fract() * stride as f64;
+    (stride, (0..len.div_ceil(stride)).map(move |run| (run * stride + place(run) as usize).min(len - 1)))
 }
 
 /// One more, with a certain or with an uncertain exact answer.

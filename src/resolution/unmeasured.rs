@@ -12,6 +12,9 @@ use crate::samples::LightSamples;
 use glam::DVec3;
 use std::borrow::Cow;
 
+/// Matrices and depth rows of regions, which have to hold visible points.
+pub type MapsOf<'a> = dyn Fn(&FittedLight, &[DVec3]) -> Result<Vec<JudgedMap>, DepthError> + 'a;
+
 /// What maps that are not measured are made from.
 pub struct Unmeasured<'a> {
     /// What is asked.
@@ -20,8 +23,8 @@ pub struct Unmeasured<'a> {
     pub receivers: &'a [DVec3],
     /// The same, to be looked up by rays.
     pub sampled: Option<&'a Sampled<'a>>,
-    /// Matrices and depth rows of regions.
-    pub maps_of: &'a dyn Fn(&FittedLight) -> Result<Vec<JudgedMap>, DepthError>,
+    /// Matrices and depth rows of regions over visible points.
+    pub maps_of: &'a MapsOf<'a>,
 }
 
 impl Unmeasured<'_> {
@@ -33,16 +36,19 @@ impl Unmeasured<'_> {
     pub fn planned(&self, samples: &LightSamples, film: Option<&Receivers>) -> Result<Planned, String> {
         let fitted = fit_light(self.question, samples, film).map_err(|reason| reason.to_string())?;
         let Some(sampled) = self.sampled else { return self.of(fitted) };
-        let rough = self.settled(fitted, Some(&sampled.rough()), None)?;
-        let needed = texels(&rough.certified.sizes) as f64;
+        // Where few points see nothing of a map, it has no depth row, and all of them are asked at once.
+        let few = sampled.rough();
+        let receivers = few.positions();
+        let rough = Unmeasured { receivers: &receivers, ..*self }.settled(fitted.clone(), Some(&few), None).ok();
+        let rough = rough.map(|rough| rough.certified);
+        let needed = rough.as_ref().map(|rough| texels(&rough.sizes) as f64);
         // Where there is no second fit, or it has no depth row, the first one stands.
-        let again = fit_again(self.question, samples, film, &rough.fitted, needed);
-        let again = again.and_then(|fitted| self.settled(fitted, Some(sampled), Some(needed)).ok());
-        let mut planned = match again {
+        let again = needed.and_then(|needed| fit_again(self.question, samples, film, &fitted, needed));
+        let mut planned = match again.and_then(|again| self.settled(again, Some(sampled), needed).ok()) {
             Some(planned) => planned,
-            None => self.settled(rough.fitted, Some(sampled), Some(needed))?,
+            None => self.settled(fitted, Some(sampled), needed)?,
         };
-        if let (Some(all), Some(first)) = (&mut planned.certified.sampled, rough.certified.sampled) {
+        if let (Some(all), Some(first)) = (&mut planned.certified.sampled, rough.and_then(|rough| rough.sampled)) {
             all.rays += first.rays;
         }
         Ok(planned)
@@ -59,7 +65,7 @@ impl Unmeasured<'_> {
     /// The larger size of the predicted one and the one that lookups ask for, sought from a guess in texels on.
     fn settled(&self, mut fitted: FittedLight, by: Option<&Sampled>, guess: Option<f64>) -> Result<Planned, String> {
         fitted.drop_unseen(self.receivers);
-        let maps = (self.maps_of)(&fitted).map_err(|reason| reason.to_string())?;
+        let maps = (self.maps_of)(&fitted, self.receivers).map_err(|reason| reason.to_string())?;
         let grid = grid_of(self.question, &fitted);
         let least = grid.at_least(fitted.texels);
         let guess = guess.map_or(least, |texels| grid.at_least(texels));

@@ -64,6 +64,7 @@ impl Film {
 pub struct FilmRays<'a> {
     camera: &'a Camera,
     film: Film,
+    aspect: f64,
     /// Of the view: one metre along the axis, or anywhere where rays are parallel.
     half_height: f64,
 }
@@ -71,10 +72,10 @@ pub struct FilmRays<'a> {
 impl FilmRays<'_> {
     /// The ray through a film position.
     pub fn through(&self, x: f64, y: f64) -> (DVec3, DVec3) {
-        let FilmRays { camera, film, half_height } = *self;
+        let FilmRays { camera, film, aspect, half_height } = *self;
         let ndc_x = 2.0 * x / f64::from(film.width) - 1.0;
         let ndc_y = 1.0 - 2.0 * y / f64::from(film.height);
-        let (right, up) = (ndc_x * half_height * film.aspect(), ndc_y * half_height);
+        let (right, up) = (ndc_x * half_height * aspect, ndc_y * half_height);
         let m = &camera.world_from_camera;
         match camera.projection {
             Projection::Perspective { .. } => (camera.position, *m * DVec3::new(right, up, -1.0)),
@@ -101,7 +102,7 @@ impl Camera {
             Projection::Perspective { yfov_rad } => (0.5 * yfov_rad).tan(),
             Projection::Orthographic { half_height } => half_height,
         };
-        FilmRays { camera: self, film, half_height }
+        FilmRays { camera: self, film, aspect: film.aspect(), half_height }
     }
 
     /// Derivatives of the ray by film x and y: (∂origin/∂x, ∂direction/∂x), (∂origin/∂y, ∂direction/∂y); constant

@@ -32,7 +32,7 @@ impl Surface {
         let ((origin, direction), (triangle, depth_m)) = (ray, hit);
         let [a, b, c] = tracer.geometry().triangle_f64(triangle);
         // Triangles without area are not traced; of the thinnest slivers the length may still underflow.
-        let normal = (b - a).cross(c - a).normalize_or(-direction.normalize_or_zero());
+        let normal = (b - a).cross(c - a).try_normalize().unwrap_or_else(|| -direction.normalize_or_zero());
         let normal = if normal.dot(direction) > 0.0 { -normal } else { normal };
         Surface { triangle, depth_m, position: origin + direction * depth_m, normal }
     }
