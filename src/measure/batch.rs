@@ -14,15 +14,19 @@ const OUTSIDE: u32 = u32::MAX;
 struct Block {
     texels: [u32; BLOCK],
     depths: [f32; BLOCK],
+    /// Scratch: coordinates in the scene and in clip space.
+    scene: [[f64; BLOCK]; 3],
+    clip: [[f64; BLOCK]; 4],
 }
 
 /// Calls `answered(receiver, shadowed)` for each of some positions, in order; `None` is outside. The map's domain is not
 /// asked.
 pub(super) fn look_up_all(drawn: &Drawn, positions: &[DVec3], mut answered: impl FnMut(usize, Option<bool>)) {
-    let mut block = Block { texels: [OUTSIDE; BLOCK], depths: [0.0; BLOCK] };
+    let mut block =
+        Block { texels: [OUTSIDE; BLOCK], depths: [0.0; BLOCK], scene: [[0.0; BLOCK]; 3], clip: [[0.0; BLOCK]; 4] };
     let size = [drawn.map.width, drawn.map.height];
     for (number, points) in positions.chunks(BLOCK).enumerate() {
-        block.project(&drawn.clip_from_scene, size, points);
+        project(&mut block, &drawn.clip_from_scene, size, points);
         for i in 0..points.len() {
             let stored = drawn.map.depth.get(block.texels[i] as usize);
             answered(number * BLOCK + i, stored.map(|stored| block.depths[i] > *stored));
@@ -30,28 +34,49 @@ pub(super) fn look_up_all(drawn: &Drawn, positions: &[DVec3], mut answered: impl
     }
 }
 
-impl Block {
-    #[inline(always)]
-    fn project(&mut self, m: &DMat4, [width, height]: [u32; 2], points: &[DVec3]) {
-        let mut clip = [[0.0_f64; BLOCK]; 4];
-        let columns = m.to_cols_array_2d();
-        for (i, p) in points.iter().enumerate() {
-            for (row, out) in clip.iter_mut().enumerate() {
-                let [a, b, c, d] = [columns[0][row], columns[1][row], columns[2][row], columns[3][row]];
-                out[i] = a * p.x + b * p.y + c * p.z + d;
-            }
-        }
-        let [x, y, z, w] = &clip;
-        let (wide, high) = (f64::from(width), f64::from(height));
+/// Projects a block's receivers, by the best instructions there are.
+fn project(block: &mut Block, m: &DMat4, size: [u32; 2], points: &[DVec3]) {
+    #[cfg(target_arch = "x86_64")]
+    if is_x86_feature_detected!("avx2") {
+        #[expect(unsafe_code, reason = "AVX2 was just detected, which is all that the callee asks for")]
+        return unsafe { project_avx2(block, m, size, points) };
+    }
+    project_here(block, m, size, points, |c| f64::from(c as i32));
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+fn project_avx2(block: &mut Block, m: &DMat4, size: [u32; 2], points: &[DVec3]) {
+    project_here(block, m, size, points, f64::floor);
+}
+
+/// `whole` takes a coordinate inside the map down to a whole number.
+#[inline(always)]
+fn project_here(block: &mut Block, m: &DMat4, [width, height]: [u32; 2], points: &[DVec3], whole: impl Fn(f64) -> f64) {
+    /// Added to a whole number below 2³², it leaves that in the low bits.
+    const LOW_BITS: f64 = (1_u64 << 52) as f64;
+    let Block { texels, depths, scene: at, clip } = block;
+    for (i, p) in points.iter().enumerate() {
+        (at[0][i], at[1][i], at[2][i]) = (p.x, p.y, p.z);
+    }
+    let columns = m.to_cols_array_2d();
+    for (row, out) in clip.iter_mut().enumerate() {
+        let [a, b, c, d] = [columns[0][row], columns[1][row], columns[2][row], columns[3][row]];
         for i in 0..BLOCK {
-            let u = (x[i] / w[i] * 0.5 + 0.5) * wide;
-            let v = (y[i] / w[i] * 0.5 + 0.5) * high;
-            let inside = (w[i] > 0.0) & (u >= 0.0) & (u < wide) & (v >= 0.0) & (v < high);
-            // At most 2²⁸ texels (`SIZE_MAX`): exact in f64, and below `OUTSIDE`.
-            let texel = (v as i32).wrapping_mul(width as i32).wrapping_add(u as i32);
-            self.texels[i] = if inside { texel as u32 } else { OUTSIDE };
-            self.depths[i] = (z[i] / w[i] * 0.5 + 0.5).clamp(0.0, 1.0) as f32;
+            out[i] = a * at[0][i] + b * at[1][i] + c * at[2][i] + d;
         }
+    }
+    let [x, y, z, w] = &*clip;
+    let (wide, high) = (f64::from(width), f64::from(height));
+    for i in 0..BLOCK {
+        let u = (x[i] / w[i] * 0.5 + 0.5) * wide;
+        let v = (y[i] / w[i] * 0.5 + 0.5) * high;
+        let inside = (w[i] > 0.0) & (u >= 0.0) & (u < wide) & (v >= 0.0) & (v < high);
+        // At most 2²⁸ texels (`SIZE_MAX`): exact in f64, and below `OUTSIDE`.
+        let texel = whole(v) * wide + whole(u);
+        let texel = if inside { texel } else { f64::from(OUTSIDE) };
+        texels[i] = (texel + LOW_BITS).to_bits() as u32;
+        depths[i] = (z[i] / w[i] * 0.5 + 0.5).clamp(0.0, 1.0) as f32;
     }
 }
 
