@@ -7,6 +7,9 @@
 
 #![expect(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
 
+mod encodings;
+mod requantised;
+#[path = "../watching/mod.rs"]
 mod watching;
 
 use lixel::job::{self, LoadedJob};
