@@ -3,9 +3,11 @@
 
     python3 tests/oracle/mitsuba_aov.py JOB --frame 30 [--samples 16] [--depth planar|distance] [--own] [--lixel PATH] [--keep DIR]
 
-Plans the frame twice from predictions alone (quality.measure = "never"): from the scene, and from a depth and shadow layers
-that Mitsuba renders of it. Then has `lixel verify` draw and count both on the geometry, the second one at the texels of
-the first, and prints per light both sizes, in steps of the size grid, and both counts of wrong pixels.
+Plans the frame twice from predictions alone: from the scene, and from a depth and shadow layers that Mitsuba renders of it.
+Images cannot be looked up by rays, and what is not measured of geometry is not where sides of triangles are left out: the
+scene is planned so (quality.measure = "never", map.single_sided = "cull-back"). Then has `lixel verify` draw and count both on
+the geometry, both sides of it, the second one at the texels of the first, and prints per light both sizes, in steps of the
+size grid, and both counts of wrong pixels.
 
 --samples 1 shoots one ray through each pixel's centre; more are averaged over the pixel by Mitsuba's film (box filter), as
 production renderers do. --own takes the images of `lixel render --aov` instead of Mitsuba's. Exit status 0 when counts are
@@ -116,19 +118,36 @@ def render(triangles, camera, lights, size, samples, planar, path):
 
 def toml(value):
     if isinstance(value, dict):
-        return "{ " + ", ".join(f"{k} = {toml(v)}" for k, v in value.items()) + " }"
+        return "{ " + ", ".join(f"{k} = {toml(v)}" for k, v in value.items() if v is not None) + " }"
+    if isinstance(value, list):
+        return "[" + ", ".join(toml(v) for v in value) + "]"
     return json.dumps(value)
 
 
-def write_job(path, plan, lights, camera, size, planar, image):
+def plan(lixel, job, path, *flags):
+    subprocess.run([lixel, "plan", job, "-o", path, *flags, "--quiet"])
+    return json.load(open(path))
+
+
+def predicted(lixel, plan_of_scene, folder):
+    """The frames of a plan, beside its inputs, planned again from predictions alone."""
+    job = {name: value for name, value in plan_of_scene["job"].items() if name != "inputs" and value is not None}
+    job["map"] = dict(job["map"], single_sided="cull-back")
+    path = os.path.join(folder, "predicted.toml")
+    with open(path, "w") as file:
+        file.writelines(f"{name} = {toml(value)}\n" for name, value in job.items())
+    return plan(lixel, path, os.path.join(folder, "predicted.plan.json"))["frames"]
+
+
+def write_job(path, of_scene, lights, camera, size, planar, image):
     eye, (right, up, forward), fov = camera
     rows = np.column_stack([right, up, -forward, eye]).tolist() + [[0, 0, 0, 1]]
-    frame = plan["frames"][0]["frame"]
+    frame = of_scene["frames"][0]["frame"]
     json.dump([{"frame": frame, "matrix": rows}], open(os.path.join(os.path.dirname(path), "camera.json"), "w"))
     keys = [("frames", {"range": str(frame)}), ("image", {"size": list(size)}), ("visibility", {"source": "aov"}),
             ("camera", {"file": "camera.json", "fov": math.degrees(fov)}),
             ("aov", {"file": image, "depth": {"layer": "Z", "kind": "planar" if planar else "distance"}})]
-    keys += [(name, plan["job"][name]) for name in ("quality", "map", "sampling", "solver")]
+    keys += [(name, of_scene["job"][name]) for name in ("quality", "map", "sampling", "solver")]
     own = {"directional": ["direction"], "point": ["position", "range"], "spot": ["position", "direction", "range"]}
     with open(path, "w") as file:
         for name, value in keys:
@@ -142,9 +161,9 @@ def write_job(path, plan, lights, camera, size, planar, image):
                 file.write(f"cone = {toml(light['cone_degrees'])}\n")
 
 
-def wrong_pixels(lixel, plan, folder, name):
+def wrong_pixels(lixel, maps, folder, name):
     path = os.path.join(folder, name)
-    json.dump(plan, open(path, "w"))
+    json.dump(maps, open(path, "w"))
     out = subprocess.run([lixel, "verify", path, "--json", "--quiet"], capture_output=True, text=True)
     found = json.loads(out.stdout)
     return {light["light"]: light["measured"] + light["uncertain"] for light in found["lights"]}
@@ -165,10 +184,9 @@ def main():
     folder = options.keep or tempfile.mkdtemp()
     os.makedirs(folder, exist_ok=True)
     lixel = os.path.abspath(options.lixel)
-    geometry_path = os.path.join(folder, "geometry.plan.json")
-    flags = ["--size", options.size, "--epsilon", options.epsilon, "--measure", "never", "--quiet"]
-    subprocess.run([lixel, "plan", options.job, "--frames", str(options.frame), "-o", geometry_path, *flags])
-    geometry = json.load(open(geometry_path))
+    flags = ["--frames", str(options.frame), "--size", options.size, "--epsilon", options.epsilon, "--measure", "never"]
+    geometry = plan(lixel, options.job, os.path.join(folder, "geometry.plan.json"), *flags)
+    geometry["frames"] = predicted(lixel, geometry, folder)
     frame = geometry["frames"][0]
     lights = [light for light in frame["lights"] if light["maps"]]
     camera, size = camera_of(frame["camera"]), [int(side) for side in options.size.split("x")]
@@ -185,9 +203,7 @@ def main():
         render(triangles, camera, lights, size, options.samples, planar, path)
     job = os.path.join(folder, "images.toml")
     write_job(job, geometry, lights, camera, size, planar, os.path.basename(path))
-    images_path = os.path.join(folder, "images.plan.json")
-    subprocess.run([lixel, "plan", job, "-o", images_path, "--quiet"])
-    images = json.load(open(images_path))
+    images = plan(lixel, job, os.path.join(folder, "images.plan.json"))
 
     by_name = {light["light"]: light for light in images["frames"][0]["lights"]}
     swapped = json.loads(json.dumps(geometry))
