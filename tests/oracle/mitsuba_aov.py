@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Plans from the images of another renderer, Mitsuba 3, and measures that plan on the geometry.
 
-    python3 tests/oracle/mitsuba_aov.py JOB --frame 30 [--samples 16] [--depth planar|distance] [--own] [--lixel PATH] [--keep DIR]
+    python3 tests/oracle/mitsuba_aov.py JOB --frame 30 [--samples 16] [--depth planar|distance] [--own [--normals]] [--lixel PATH]
+            [--keep DIR]
 
 Plans the frame twice from predictions alone: from the scene, and from a depth and shadow layers that Mitsuba renders of it.
 Images cannot be looked up by rays, and what is not measured of geometry is not where sides of triangles are left out: the
@@ -10,8 +11,8 @@ the geometry, both sides of it, the second one at the texels of the first, and p
 size grid, and both counts of wrong pixels.
 
 --samples 1 shoots one ray through each pixel's centre; more are averaged over the pixel by Mitsuba's film (box filter), as
-production renderers do. --own takes the images of `lixel render --aov` instead of Mitsuba's. Exit status 0 when counts are
-at most 5 % over and sizes within one step of the grid, else 1.
+production renderers do. --own takes the images of `lixel render --aov` instead of Mitsuba's, --normals their layer of normals
+too. Exit status 0 when counts are at most 5 % over and sizes within one step of the grid, else 1.
 
 Needs numpy, mitsuba but for --own, and scipy for the scene reader.
 """
@@ -139,14 +140,14 @@ def predicted(lixel, plan_of_scene, folder):
     return plan(lixel, path, os.path.join(folder, "predicted.plan.json"))["frames"]
 
 
-def write_job(path, of_scene, lights, camera, size, planar, image):
+def write_job(path, of_scene, lights, camera, size, layers_there):
     eye, (right, up, forward), fov = camera
     rows = np.column_stack([right, up, -forward, eye]).tolist() + [[0, 0, 0, 1]]
     frame = of_scene["frames"][0]["frame"]
     json.dump([{"frame": frame, "matrix": rows}], open(os.path.join(os.path.dirname(path), "camera.json"), "w"))
     keys = [("frames", {"range": str(frame)}), ("image", {"size": list(size)}), ("visibility", {"source": "aov"}),
             ("camera", {"file": "camera.json", "fov": math.degrees(fov)}),
-            ("aov", {"file": image, "depth": {"layer": "Z", "kind": "planar" if planar else "distance"}})]
+            ("aov", layers_there)]
     keys += [(name, of_scene["job"][name]) for name in ("quality", "map", "sampling", "solver")]
     own = {"directional": ["direction"], "point": ["position", "range"], "spot": ["position", "direction", "range"]}
     with open(path, "w") as file:
@@ -178,6 +179,7 @@ def main():
     parse.add_argument("--samples", type=int, default=16)
     parse.add_argument("--depth", choices=["planar", "distance"], default="planar")
     parse.add_argument("--own", action="store_true", help="images of lixel render --aov")
+    parse.add_argument("--normals", action="store_true", help="their layer of normals too")
     parse.add_argument("--lixel", default="target/release/lixel")
     parse.add_argument("--keep", help="folder for images, jobs and plans")
     options = parse.parse_args()
@@ -202,7 +204,10 @@ def main():
         triangles = scene.triangles_at(scenes, frame["time_s"], geometry["job"].get("animation", []))
         render(triangles, camera, lights, size, options.samples, planar, path)
     job = os.path.join(folder, "images.toml")
-    write_job(job, geometry, lights, camera, size, planar, os.path.basename(path))
+    there = {"file": os.path.basename(path), "depth": {"layer": "Z", "kind": "planar" if planar else "distance"}}
+    if options.own and options.normals:
+        there["normal"] = {}
+    write_job(job, geometry, lights, camera, size, there)
     images = plan(lixel, job, os.path.join(folder, "images.plan.json"))
 
     by_name = {light["light"]: light for light in images["frames"][0]["lights"]}
