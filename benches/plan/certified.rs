@@ -16,9 +16,10 @@ impl Case<'_> {
         let mut job = self.job.clone();
         job.quality.measure = Measure::Check;
         let view = see(tracer, camera, self.film);
-        let film = Receivers::new(&view, camera, &classify(tracer, &view, camera, light, offset));
+        let answers = classify(tracer, &view, camera, light, offset);
+        let film = Receivers::new(&view, camera, &answers);
         let grid = GridView::see(tracer, camera, Grid::new(self.film, job.sampling.grid), Some(&view));
-        let answers = grid.answers(tracer, camera, light, offset);
+        let answers = grid.grid.of_film(&answers);
         let lit = LightView { tracer, camera, view: &grid, light, offset, answers: &answers };
         let samples = sample_light(&lit, job.sampling.refine, false);
         if film.shadowed_count() == 0 {

@@ -69,7 +69,7 @@ impl FrameStage<'_> {
         if self.images.is_some() { None } else { Sampled::new(question, self.tracer, seen, self.grid.grid.len()) }
     }
 
-    /// Asks film and planning grid for one light; a film that is the grid is asked once.
+    /// Asks the film for one light, of which the planning grid is a part, or that alone.
     pub(crate) fn look(&self, light: &Light, job: &Job) -> Lit {
         if let Some(images) = self.images {
             return images::look(images, light, job);
@@ -80,8 +80,8 @@ impl FrameStage<'_> {
         let film = self.view.zip(classified.as_ref()).map(|(film, answers)| Receivers::new(film, camera, answers));
         let film_rays = film.as_ref().map_or(0, |f| f.len() as u64);
         let (answers, grid_rays) = match classified {
-            Some(answers) if view.grid.is_film() => (answers, 0),
-            _ => {
+            Some(answers) => (view.grid.of_film(&answers).into_owned(), 0),
+            None => {
                 let answers = view.answers(tracer, camera, light, offset);
                 let rays = facing(&answers);
                 (answers, rays)
@@ -204,13 +204,16 @@ impl<'a> Stages<'a> {
         let grid = grid && images.is_none();
         let positions = Grid::new(shot.film, job.sampling.grid);
         let view = measures(job).then(|| see(&tracer, &frame.camera, shot.film));
-        let own = grid && !(view.is_some() && positions.is_film());
+        let primary = match &view {
+            Some(view) => view.film.pixels(),
+            None if grid => positions.len(),
+            None => 0,
+        };
         let grid = if grid {
             GridView::see(&tracer, &frame.camera, positions, view.as_ref())
         } else {
             GridView::unseen(positions)
         };
-        let primary = if own { positions.len() } else { 0 } + if view.is_some() { shot.film.pixels() } else { 0 };
         let stage = FrameStage {
             tracer: &tracer,
             camera: &frame.camera,

@@ -52,6 +52,15 @@ impl Grid {
         self.position((index % columns) as u32, (index / columns) as u32)
     }
 
+    /// What the positions have of a value for every pixel of the film.
+    pub fn of_film<'a, T: Copy>(&self, film: &'a [T]) -> Cow<'a, [T]> {
+        if self.is_film() {
+            return Cow::Borrowed(film);
+        }
+        let pixel = |[x, y]: [f64; 2]| y as usize * self.film.width as usize + x as usize;
+        (0..self.len()).map(|i| film[pixel(self.position_of(i))]).collect()
+    }
+
     /// The film position of a grid position: the centre of a pixel; the first and last ones are those of the film.
     pub fn position(&self, column: u32, row: u32) -> [f64; 2] {
         let at = |k: u32, count: u32, pixels: u32| {
@@ -74,11 +83,10 @@ pub struct GridView<'a> {
 }
 
 impl<'a> GridView<'a> {
-    /// One ray for each position; none where the grid is the whole film and that has been seen.
+    /// One ray for each position; none where the film has been seen.
     pub fn see(tracer: &Tracer, camera: &Camera, grid: Grid, film: Option<&'a View>) -> GridView<'a> {
-        if let Some(view) = film.filter(|_| grid.is_film()) {
-            let (triangles, depths_m) = (Cow::from(&view.triangles), Cow::from(&view.depths_m));
-            return GridView { grid, triangles, depths_m };
+        if let Some(view) = film {
+            return GridView { grid, triangles: grid.of_film(&view.triangles), depths_m: grid.of_film(&view.depths_m) };
         }
         let (triangles, depths_m): (Vec<u32>, Vec<f64>) = (0..grid.len())
             .into_par_iter()
