@@ -84,8 +84,9 @@ fn settle(
             return Ok(None);
         }
     };
-    [entry.cost.texels_drawn, entry.cost.triangles_drawn, entry.cost.solver_evaluations] = spent;
-    entry.cost.rays += certified.sampled.map_or(0, |s| s.rays);
+    let rays;
+    [entry.cost.texels_drawn, entry.cost.triangles_drawn, entry.cost.solver_evaluations, rays] = spent;
+    entry.cost.rays += rays;
     entry.maps = map_entries((&maps, fitted.method), &certified, light, stage, &seen);
     entry.status = if certified.met { Status::Planned } else { Status::NotMet };
     if !certified.met {

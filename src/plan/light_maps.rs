@@ -75,7 +75,7 @@ impl Wanted<'_> {
             Err(reason) => return Ok(Err(reason.to_string())),
         };
         let certified = certify(question, &fitted, &mut judge)?;
-        let spent = [judge.texels_drawn, judge.triangles_drawn, fitted.evaluations];
+        let spent = judge.spent(fitted.evaluations);
         Ok(Ok(Planned { maps: judge.maps, fitted, certified, spent }))
     }
 

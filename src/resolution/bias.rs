@@ -1,7 +1,8 @@
 //! The bias a light's maps are drawn with: as the job says, or the best of a few slopes and clamps by measurement.
 
 use super::judge::Judge;
-use super::{BiasParams, FilmQuestion, FittedLight, SizeGrid};
+use super::polish::TRIANGLES_MEASURED;
+use super::{BiasParams, FilmQuestion, FittedLight, Sampled, SizeGrid};
 use crate::depth::CONSTANT_F32;
 use crate::raster::{Bias, RasterError};
 
@@ -32,7 +33,8 @@ pub fn default_bias(params: &BiasParams) -> Bias {
 const CLAMPS: [f64; 3] = [1e-2, 1e-3, 1e-4];
 
 /// The bias with fewest wrong pixels at the predicted size, ties go to the earlier one; and these pixels, if it was
-/// measured. The best slope is found first, then with it the best clamp.
+/// measured. The best slope is found first, then with it the best clamp. Of scenes too large to be drawn often a sample of the
+/// pixels decides, looked up by rays.
 pub fn measured_bias(
     question: &FilmQuestion,
     fitted: &FittedLight,
@@ -41,6 +43,13 @@ pub fn measured_bias(
 ) -> Result<(Bias, Option<Vec<u32>>), RasterError> {
     let params = &question.map.bias;
     let sizes = grid.sizes(grid.at_least(fitted.texels)).to_vec();
+    if judge.triangles() > TRIANGLES_MEASURED
+        && let Some(sampled) = Sampled::of_film(question, &judge.on_film())
+    {
+        let (bias, rays) = sampled.best_bias(&judge.maps, &sizes);
+        judge.rays += rays;
+        return Ok((bias, None));
+    }
     let mut best: Option<(Vec<u32>, Bias)> = None;
     let mut consider = |bias: Bias, best: &mut Option<(Vec<u32>, Bias)>| {
         let drawn = judge.draw(&sizes, bias)?;

@@ -158,6 +158,7 @@ pub fn check(
         let there = sampled.estimate(&judge.maps, &checked.sizes, checked.bias);
         (all.wrong, all.rays) = (there.wrong, all.rays + there.rays);
     }
+    judge.rays += estimate.map_or(0, |estimate| estimate.rays);
     Ok(Certified { sampled: estimate, ..checked })
 }
 

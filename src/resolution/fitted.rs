@@ -176,8 +176,11 @@ impl FittedLight {
             if let Some(k) = first_holding(self.regions.iter().map(|r| &r.domain), *point) {
                 seen[k] = seen[k] || self.regions[k].contains(*point);
             }
+            if seen.iter().all(|s| *s) {
+                return;
+            }
         }
-        if seen.iter().any(|s| *s) && !seen.iter().all(|s| *s) {
+        if seen.iter().any(|s| *s) {
             let mut seen = seen.into_iter();
             self.regions.retain(|_| seen.next().unwrap_or(true));
             self.shares = shares(&self.regions);

@@ -48,6 +48,8 @@ pub struct Judge<'a> {
     pub texels_drawn: u64,
     /// Triangles drawn so far.
     pub triangles_drawn: u64,
+    /// Rays of lookups so far.
+    pub rays: u64,
 }
 
 /// A larger and no bias: what is wrong under a bias and right under one of these is owed to the bias.
@@ -72,7 +74,7 @@ impl<'a> Judge<'a> {
     pub fn of_maps(on: OnFilm<'a>, question: &'a FilmQuestion<'a>, maps: Vec<JudgedMap>) -> Judge<'a> {
         let OnFilm { tracer, view, receivers, offset } = on;
         let certainty = Certainty::new(tracer, view, question.camera, question.light, receivers, offset);
-        Judge { on, question, maps, canvas: Canvas::default(), certainty, texels_drawn: 0, triangles_drawn: 0 }
+        Judge { on, question, maps, canvas: Canvas::default(), certainty, texels_drawn: 0, triangles_drawn: 0, rays: 0 }
     }
 
     /// For each map the receivers that look it up, in the order of the film.
@@ -174,6 +176,16 @@ impl<'a> Judge<'a> {
         wrong.iter().copied().zip(self.certainty.uncertain(wrong)).filter(|(_, u)| !u).map(|(i, _)| i).collect()
     }
 
+    /// What it took: texels and triangles drawn, evaluations of the fits, rays of lookups.
+    pub fn spent(&self, evaluations: u64) -> [u64; 4] {
+        [self.texels_drawn, self.triangles_drawn, evaluations, self.rays]
+    }
+
+    /// What is measured on.
+    pub fn on_film(&self) -> OnFilm<'a> {
+        self.on
+    }
+
     /// Triangles of the scene.
     pub fn triangles(&self) -> u64 {
         self.on.tracer.geometry().len() as u64
@@ -200,6 +212,7 @@ impl<'a> Judge<'a> {
                 wrong.iter().filter_map(|&i| Some((i, self.on.seen(self.question.camera, i as usize)?))).collect();
             let points: Vec<Seen> = seen.iter().map(|(_, seen)| *seen).collect();
             let found = look_up_by_rays(self.on.tracer, light, &maps, &points, others[0].slope);
+            self.rays += points.len() as u64;
             let misplaced = |found: &LookedUp| others.iter().all(|other| found.wrong(*other, map.outside));
             return Ok(seen.iter().zip(&found).filter(|(_, f)| misplaced(f)).map(|((i, _), _)| *i).collect());
         }

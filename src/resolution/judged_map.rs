@@ -7,6 +7,7 @@ use crate::measure::Undrawn;
 use crate::methods::Region;
 use crate::visibility::Tracer;
 use glam::{DMat4, DVec3, DVec4};
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// A region's matrix.
@@ -36,18 +37,23 @@ impl JudgedMap {
     pub fn of_all_by<'a>(
         regions: &[Region],
         receivers: &[DVec3],
-        kept: impl Fn(&Region, &[DVec3]) -> Kept<'a>,
+        kept: impl Fn(&Region, &[DVec3]) -> Kept<'a> + Sync,
     ) -> Result<Vec<JudgedMap>, DepthError> {
         if let [region] = regions {
             return Ok(vec![JudgedMap::holding(region.clone(), &kept(region, receivers))?]);
         }
         let mut own = vec![Vec::new(); regions.len()];
-        for point in receivers {
-            if let Some(k) = first_holding(regions.iter().map(|r| &r.domain), *point) {
+        let answering = |point: &DVec3| first_holding(regions.iter().map(|r| &r.domain), *point);
+        let answering: Vec<Option<usize>> = receivers.par_iter().map(answering).collect();
+        for (point, region) in receivers.iter().zip(answering) {
+            if let Some(k) = region {
                 own[k].push(*point);
             }
         }
-        regions.iter().zip(own).map(|(region, own)| JudgedMap::holding(region.clone(), &kept(region, &own))).collect()
+        let map = |(region, own): (&Region, Vec<DVec3>)| JudgedMap::holding(region.clone(), &kept(region, &own));
+        let maps: Vec<Result<JudgedMap, DepthError>> = regions.par_iter().zip(own).map(map).collect();
+        // The first reason, whichever came first.
+        maps.into_iter().collect()
     }
 
     /// The matrix of a region with the depth row that holds what is visible and its casters.

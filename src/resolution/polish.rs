@@ -26,9 +26,9 @@ const TEXELS_MEASURED: f64 = (1u32 << 20) as f64;
 /// Maps near the best one that one of `solver.measured_rounds` measures.
 const MAPS_A_ROUND: u32 = 8;
 
-/// Triangles of a scene up to which every map of a round is measured. Of larger ones fewer are, in inverse proportion, so that
-/// time does not grow with triangles times maps.
-const TRIANGLES_MEASURED: u64 = 2_000_000;
+/// Triangles of a scene up to which every map of a round is measured, and every bias. Of larger ones fewer maps are, in inverse
+/// proportion, and the bias is chosen by lookups, so that time does not grow with triangles times maps.
+pub(super) const TRIANGLES_MEASURED: u64 = 2_000_000;
 
 /// The first maps near the best one keep the metric's own affine part and only move p4: coarse steps first.
 const REFITTED: u32 = 2 * MAPS_A_ROUND;

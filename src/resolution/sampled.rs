@@ -114,6 +114,11 @@ impl<'a> Sampled<'a> {
         Settled { place, met: found.is_some(), bias, estimate: Estimate { wrong, rays } }
     }
 
+    /// The bias with the fewest wrong points, ties go to the earlier one; and the rays that it took.
+    pub fn best_bias(&self, maps: &[JudgedMap], sizes: &[[u32; 2]]) -> (Bias, u64) {
+        (self.trial(maps, sizes, None).0, self.points.len() as u64)
+    }
+
     /// What is expected of maps with a bias.
     pub fn estimate(&self, maps: &[JudgedMap], sizes: &[[u32; 2]], bias: Bias) -> Estimate {
         let (_, wrong) = self.trial(maps, sizes, Some(bias));

@@ -50,6 +50,7 @@ impl Unmeasured<'_> {
         };
         if let (Some(all), Some(first)) = (&mut planned.certified.sampled, rough.and_then(|rough| rough.sampled)) {
             all.rays += first.rays;
+            planned.spent[3] += first.rays;
         }
         Ok(planned)
     }
@@ -73,7 +74,7 @@ impl Unmeasured<'_> {
         let (place, mut certified) = Certified::undrawn(self.question, &grid, (least, fitted.texels), settled);
         certified.predicted = predict(&fitted.regions, &fitted.shares, grid.texels(place));
         certified.predicted_at_quantile = predicted_at_quantile(self.question, &fitted, grid.texels(place));
-        let spent = [0, 0, fitted.evaluations];
+        let spent = [0, 0, fitted.evaluations, certified.sampled.map_or(0, |s| s.rays)];
         Ok(Planned { maps, fitted, certified, spent })
     }
 }

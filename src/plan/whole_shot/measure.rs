@@ -84,6 +84,7 @@ impl SegmentFrame<'_> {
                 let found = trials.measured(&mut judge)?;
                 entry.cost.texels_drawn = judge.texels_drawn;
                 entry.cost.triangles_drawn = judge.triangles_drawn;
+                entry.cost.rays += judge.rays;
                 found
             }
             None => predicted(&question, held, &regions, stage.sampled(&question, &seen).as_ref(), &at),

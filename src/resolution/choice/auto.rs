@@ -26,8 +26,8 @@ pub fn auto(
     on: &OnFilm,
 ) -> Result<(Ladder, Option<Planned>), RasterError> {
     let solver = question.solver;
-    let spent = Cell::new([0; 3]);
-    let spend = |more: [u64; 3]| spent.set(std::array::from_fn(|k| spent.get()[k] + more[k]));
+    let spent = Cell::new([0; 4]);
+    let spend = |more: [u64; 4]| spent.set(std::array::from_fn(|k| spent.get()[k] + more[k]));
     let first = |rung: &Rung| {
         let solver = rung.solver(solver);
         let question = &FilmQuestion { solver: &solver, ..*question };
@@ -40,7 +40,7 @@ pub fn auto(
     let better = |rung: &Rung, (_, found): (Need, Planned)| {
         let solver = rung.solver(solver);
         let question = &FilmQuestion { solver: &solver, ..*question };
-        let found = improved(question, samples, on, Planned { spent: [0; 3], ..found })?;
+        let found = improved(question, samples, on, Planned { spent: [0; 4], ..found })?;
         spend(found.spent);
         Ok((Need::of(question, &found.fitted, &found.certified), found))
     };

@@ -17,8 +17,8 @@ pub struct Planned {
     pub fitted: FittedLight,
     /// Size and bias.
     pub certified: Certified,
-    /// Texels and triangles drawn for it, and evaluations of its fits.
-    pub spent: [u64; 3],
+    /// Texels and triangles drawn for it, evaluations of its fits, rays of lookups.
+    pub spent: [u64; 4],
 }
 
 /// The maps of a question's method; with better ones near them where `improve` and the job ask for them. The inner error is
@@ -51,7 +51,7 @@ pub fn planned(
         }
     };
     let certified = if improve { refined(question, samples, &mut fitted, &mut judge, first)? } else { first };
-    let spent = [judge.texels_drawn, judge.triangles_drawn, fitted.evaluations];
+    let spent = judge.spent(fitted.evaluations);
     Ok(Ok(Planned { maps: judge.maps, fitted, certified, spent }))
 }
 
@@ -78,6 +78,7 @@ pub fn improved(
     let Planned { maps, mut fitted, certified, spent } = planned;
     let mut judge = Judge::of_maps(*on, question, maps);
     let certified = refined(question, samples, &mut fitted, &mut judge, certified)?;
-    let spent = [spent[0] + judge.texels_drawn, spent[1] + judge.triangles_drawn, spent[2]];
+    let more = judge.spent(0);
+    let spent = std::array::from_fn(|k| spent[k] + more[k]);
     Ok(Planned { maps: judge.maps, fitted, certified, spent })
 }
