@@ -235,3 +235,35 @@ fn a_plan_with_instances_is_that_of_the_flattened_scene() {
     assert_eq!(flat["frames"], shared["frames"]);
     assert_eq!(flat, shared);
 }
+
+/// Tori in rows, over two million triangles: such a scene is not drawn to choose a bias.
+#[test]
+fn the_bias_of_millions_of_triangles_is_chosen_by_lookups() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut gltf = Gltf::new();
+    gltf.json["scenes"][0]["nodes"] = json!([]);
+    gltf.json["materials"] = json!([{}, {}]);
+    let floor = gltf.f32s("VEC3", &[-90.0, -2.0, -90.0, -90.0, -2.0, 90.0, 90.0, -2.0, 90.0, 90.0, -2.0, -90.0]);
+    let corners = gltf.indices(&[0, 1, 2, 0, 2, 3]);
+    gltf.push("meshes", json!({ "primitives": [{ "attributes": { "POSITION": floor }, "indices": corners }] }));
+    gltf.root(json!({ "mesh": 0 }));
+    torus(&mut gltf);
+    let rows = |k: i32| [(k % 52 - 26) as f32 * 3.0, 0.0, (k / 52 - 26) as f32 * 3.0];
+    let shifts = gltf.f32s("VEC3", &(0..52 * 52).flat_map(rows).collect::<Vec<f32>>());
+    let attributes = json!({ "TRANSLATION": shifts });
+    gltf.root(json!({ "mesh": 1, "extensions": { "EXT_mesh_gpu_instancing": { "attributes": attributes } } }));
+    gltf.write(folder.path());
+    let mut loaded = loaded(folder.path(), "share");
+    loaded.job.frames.range = Some("1".into());
+    loaded.job.light.truncate(1);
+    loaded.job.solver.measured_rounds = 0;
+    let watch = Watch { progress: &|_| (), cancel: &AtomicBool::new(false), notes: &|_| () };
+    let plan = plan::make(&loaded, folder.path(), false, &watch).unwrap();
+    let sun = &plan.frames[0].lights[0];
+    let error = sun.error.as_ref().unwrap();
+    let tried: u64 = error.tried.iter().map(|t| u64::from(t.width) * u64::from(t.height)).sum();
+    assert_eq!(sun.cost.texels_drawn, tried, "nothing is drawn but the sizes tried");
+    assert!(sun.met() && error.measured.as_ref().unwrap().misclassified > 0);
+    let found = plan::verify(&plan, folder.path(), &watch).unwrap();
+    assert!(found.passed, "{:?}", found.lights);
+}

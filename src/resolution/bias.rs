@@ -43,7 +43,9 @@ pub fn measured_bias(
 ) -> Result<(Bias, Option<Vec<u32>>), RasterError> {
     let params = &question.map.bias;
     let sizes = grid.sizes(grid.at_least(fitted.texels)).to_vec();
-    if judge.triangles() > TRIANGLES_MEASURED
+    let open = params.slope.is_none() || params.clamp.is_none();
+    if open
+        && judge.triangles() > TRIANGLES_MEASURED
         && let Some(sampled) = Sampled::of_film(question, &judge.on_film())
     {
         let (bias, rays) = sampled.best_bias(&judge.maps, &sizes);

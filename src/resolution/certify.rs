@@ -40,7 +40,7 @@ pub struct Certified {
     pub predicted: Prediction,
     /// The predicted value of a bound at a quantile.
     pub predicted_at_quantile: Option<f64>,
-    /// By a sample of the visible points; `None` where pixels were counted or no ray was sent.
+    /// By a sample of the visible points at this size; `None` where nothing was looked up.
     pub sampled: Option<Estimate>,
     /// The trial of this size; `None` when nothing was measured.
     pub chosen: Option<Trial>,

@@ -78,6 +78,7 @@ impl JudgedMap {
         let depth = fit_row(kept, row_kind(&region))?;
         Ok(JudgedMap { clip_from_scene: clip_from_scene(&region, depth.row), region, depth })
     }
+
     /// To be looked up by rays at a size.
     pub fn undrawn(&self, size: [u32; 2]) -> Undrawn<'_> {
         Undrawn { domain: &self.region.domain, clip_from_scene: &self.clip_from_scene, size }

@@ -220,7 +220,7 @@ pub struct Predicted {
     /// The certain ones without saturation.
     pub unsaturated: f64,
     /// Wrong pixels with a certain and with an uncertain exact answer, bias and lost shadows included: estimated from a sample
-    /// of the visible points, looked up by rays, where nothing is measured.
+    /// of the visible points, looked up by rays, where nothing is measured or only one size checked.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sampled: Option<[f64; 2]>,
     /// Pixels between drawn and exact edge, at the quantile, where that is the bound.
