@@ -10,7 +10,6 @@ use lixel::measure::{Drawn, Outside, Receivers, wrong};
 use lixel::plan::{self, Format, Outcome, Plan, Status, Summary, Verification};
 use lixel::raster::{Bias, draw};
 use lixel::resolution::other_biases;
-use lixel::scene::{self, ShotParams};
 use lixel::visibility::{Bvh, RayOffset, Tracer, see};
 use std::path::Path;
 use std::sync::LazyLock;
@@ -123,19 +122,7 @@ fn lookups_by_rays_find_what_drawn_maps_answer_wrongly() {
 #[test]
 fn what_bias_is_blamed_for_by_rays_is_what_drawn_maps_blame_it_for() {
     let job = job::load(&folder().join("courtyard.toml"), &BASE.parse().unwrap()).unwrap();
-    let shot = scene::load(&ShotParams {
-        scene: &job.scene_files(),
-        active_scene: None,
-        animation: None,
-        frames: &job.job.frames,
-        image: &job.job.image,
-        camera: &job.camera(),
-        lights: &job.job.light,
-        visibility: &job.job.visibility,
-        allow_outside: false,
-        images: None,
-    })
-    .unwrap();
+    let shot = job.shot().unwrap();
     let still = Bvh::still(&shot.scene);
     let mut blamed = 0;
     for planned in &MEASURED.frames {

@@ -25,7 +25,7 @@ use lixel::job::{Job, load};
 use lixel::math::Bounds;
 use lixel::measure::Receivers;
 use lixel::resolution::FilmQuestion;
-use lixel::scene::{self, Film, Light, SceneFrame, ShotParams};
+use lixel::scene::{Film, Light, SceneFrame};
 use lixel::visibility::{Bvh, RayOffset, Tracer, see};
 use rays::Rays;
 use rival::Rival;
@@ -58,18 +58,7 @@ fn run(input: &Path, rival: Option<&Path>) -> Result<(), Box<dyn Error>> {
     let settings = format!("preset = \"draft\"\nframes.range = \"{frame}\"\nimage.size = [1920, 1080]");
     let loaded = load(input, &settings.parse()?)?;
     let job = &loaded.job;
-    let shot = scene::load(&ShotParams {
-        scene: &loaded.scene_files(),
-        active_scene: job.active_scene.as_deref(),
-        animation: job.animation.as_deref(),
-        frames: &job.frames,
-        image: &job.image,
-        camera: &loaded.camera(),
-        lights: &job.light,
-        visibility: &job.visibility,
-        allow_outside: false,
-        images: None,
-    })?;
+    let shot = loaded.shot()?;
     let time = shot.frames.first().ok_or("no frame")?;
     let frame = shot.scene.frame(time.time_s)?;
     let geometry = shot.scene.geometry(&frame);

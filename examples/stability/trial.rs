@@ -9,7 +9,7 @@ use lixel::plan::{Domain, FramePlan, LightPlan, MapPlan, Plan, Status, Watch, ma
 use lixel::raster::{Bias, Canvas};
 use lixel::resolution::{FilmQuestion, fit_light, grid_of};
 use lixel::samples::{Grid, GridView, LightSamples, LightView, sample_light};
-use lixel::scene::{Light, SceneFrame, Shot, ShotParams, load};
+use lixel::scene::{Light, SceneFrame, Shot};
 use lixel::visibility::{Answer, Bvh, RayOffset, Tracer, View, classify, see};
 use std::collections::HashMap;
 use std::fmt::Write;
@@ -64,20 +64,7 @@ pub(crate) fn plan(setup: &Setup, tune: impl Fn(&mut Job)) -> Result<Trial, Stri
     let watch = Watch { progress: &|_| {}, cancel: &cancel, notes: &|_| {} };
     let plan = make(&loaded, dir.path(), false, &watch).map_err(|e| e.to_string())?;
     to_text(&plan, lixel::plan::Format::Json).map_err(|e| e.to_string())?;
-    let (scene, camera, job) = (loaded.scene_files(), loaded.camera(), &loaded.job);
-    let shot = load(&ShotParams {
-        scene: &scene,
-        active_scene: None,
-        animation: None,
-        frames: &job.frames,
-        image: &job.image,
-        camera: &camera,
-        lights: &job.light,
-        visibility: &job.visibility,
-        allow_outside: false,
-        images: None,
-    })
-    .map_err(|e| e.to_string())?;
+    let shot = loaded.shot().map_err(|e| e.to_string())?;
     let frame = shot.scene.frame(0.0).map_err(|e| e.to_string())?;
     let still = Bvh::build(&shot.scene.still);
     let trial = Trial { plan, shot, frame, still };

@@ -10,7 +10,7 @@ use toml::{Table, Value};
 use super::layers::lay_over;
 use super::{Job, JobError, Preset, Problem, check, is_scene_file, locate};
 use crate::resolution::Measure;
-use crate::scene::{CameraParams, SceneFile, VisibilitySource};
+use crate::scene::{self, CameraParams, SceneError, SceneFile, Shot, ShotParams, ShownByImages, VisibilitySource};
 
 /// Bytes a job file may have: room for a long camera path, and an end to reading a device.
 const JOB_BYTES_MAX: u64 = 16 << 20;
@@ -58,6 +58,34 @@ impl LoadedJob {
     pub fn camera(&self) -> CameraParams {
         let camera = self.job.camera.clone();
         CameraParams { file: camera.file.map(|file| self.dir.join(file)), ..camera }
+    }
+
+    /// Reads its scene files.
+    ///
+    /// # Errors
+    /// As [`scene::load`].
+    pub fn shot(&self) -> Result<Shot, SceneError> {
+        self.shot_with(None)
+    }
+
+    /// The same with what images show instead of geometry.
+    ///
+    /// # Errors
+    /// As [`scene::load`].
+    pub(crate) fn shot_with(&self, images: Option<ShownByImages>) -> Result<Shot, SceneError> {
+        let job = &self.job;
+        scene::load(&ShotParams {
+            scene: &self.scene_files(),
+            active_scene: job.active_scene.as_deref(),
+            animation: job.animation.as_deref(),
+            frames: &job.frames,
+            image: &job.image,
+            camera: &self.camera(),
+            lights: &job.light,
+            visibility: &job.visibility,
+            allow_outside: job.allow_outside,
+            images,
+        })
     }
 }
 

@@ -27,9 +27,9 @@ impl Receivers {
     pub fn new(view: &View, camera: &Camera, answers: &[Answer]) -> Receivers {
         let facing = answers.iter().enumerate().filter(|(_, answer)| **answer != Answer::Unlit);
         let pixels: Vec<u32> = facing.map(|(pixel, _)| pixel as u32).collect();
-        let (rays, width) = (camera.rays(view.film), view.film.width);
+        let rays = camera.rays(view.film);
         let position = |pixel: &u32| {
-            let (origin, direction) = rays.through(f64::from(pixel % width) + 0.5, f64::from(pixel / width) + 0.5);
+            let (origin, direction) = rays.through_pixel(*pixel as usize);
             origin + direction * view.depths_m[*pixel as usize]
         };
         let positions = pixels.par_iter().map(position).collect();
@@ -47,6 +47,11 @@ impl Receivers {
             receivers.shadowed.push(*answer == Answer::Shadowed);
         }
         receivers
+    }
+
+    /// One of them, with the normal of its surface.
+    pub fn seen(&self, receiver: usize, normal: DVec3) -> Seen {
+        Seen { position: self.positions[receiver], normal, shadowed: self.shadowed[receiver] }
     }
 
     /// Number of receivers.

@@ -84,9 +84,10 @@ fn settle(
             return Ok(None);
         }
     };
-    let rays;
-    [entry.cost.texels_drawn, entry.cost.triangles_drawn, entry.cost.solver_evaluations, rays] = spent;
-    entry.cost.rays += rays;
+    entry.cost.texels_drawn = spent.texels_drawn;
+    entry.cost.triangles_drawn = spent.triangles_drawn;
+    entry.cost.solver_evaluations = spent.evaluations;
+    entry.cost.rays += spent.rays;
     entry.maps = map_entries((&maps, fitted.method), &certified, light, stage, &seen);
     entry.status = if certified.met { Status::Planned } else { Status::NotMet };
     if !certified.met {
@@ -152,8 +153,8 @@ pub(super) fn not_met_reason(job: &Job, certified: &Certified, film: Film) -> St
             "at the largest size within map.max = {}, {largest}, a sample of lookups expects {:.0} certain and {:.0} uncertain \
              of {} pixels to be wrong: raise map.max or epsilon",
             job.map.max,
-            sampled.wrong[0],
-            sampled.wrong[1],
+            sampled[0],
+            sampled[1],
             film.pixels(),
         ),
         None => format!("the prediction needs more than map.max = {} allows: raise map.max or epsilon", job.map.max),
@@ -209,7 +210,7 @@ pub(super) fn light_error(
             misclassified: certified.predicted.misclassified,
             uncertain: certified.predicted.uncertain,
             unsaturated: certified.predicted.unsaturated,
-            sampled: certified.sampled.map(|s| s.wrong),
+            sampled: certified.sampled,
             displacement: of_quantile(Bound::Displacement, certified.predicted_at_quantile),
             footprint: of_quantile(Bound::Footprint, certified.predicted_at_quantile),
         }),

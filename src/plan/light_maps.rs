@@ -6,7 +6,8 @@ use super::{Choice, PlanError, choice};
 use crate::job::Job;
 use crate::methods::{Method, Region, SolverParams};
 use crate::resolution::{
-    self, FilmQuestion, FittedLight, Judge, JudgedMap, Need, OnFilm, Planned, Rung, Unmeasured, certify, climb, rungs,
+    self, FilmQuestion, FittedLight, Judge, JudgedMap, Need, OnFilm, Planned, Rung, Spent, Unmeasured, certify, climb,
+    rungs,
 };
 use crate::scene::Light;
 use crate::shot::in_frame;
@@ -75,7 +76,7 @@ impl Wanted<'_> {
             Err(reason) => return Ok(Err(reason.to_string())),
         };
         let certified = certify(question, &fitted, &mut judge)?;
-        let spent = judge.spent(fitted.evaluations);
+        let spent = Spent { evaluations: fitted.evaluations, ..judge.spent };
         Ok(Ok(Planned { maps: judge.maps, fitted, certified, spent }))
     }
 

@@ -12,45 +12,28 @@ use super::{
 use crate::aov::Images;
 use crate::job::{Job, LoadedJob};
 use crate::math::rows_of;
-use crate::scene::{self, Camera, Film, FrameTime, Shot, ShotParams, ShownByImages, VisibilitySource};
+use crate::scene::{Camera, Film, FrameTime, Shot, ShownByImages, VisibilitySource};
 
 /// Reads the files of a job that is planned from geometry.
 pub(crate) fn load_shot(job: &LoadedJob) -> Result<Shot, PlanError> {
     if job.job.visibility.source == VisibilitySource::Aov {
         return Err(PlanError::NoGeometry);
     }
-    load(job, None)
+    Ok(job.shot()?)
 }
 
 /// Reads the files of a job; with the images that are planned from, where it says so.
 pub(super) fn load_either(job: &LoadedJob) -> Result<(Shot, Option<Images>), PlanError> {
     if job.job.visibility.source == VisibilitySource::Scene {
-        return Ok((load(job, None)?, None));
+        return Ok((job.shot()?, None));
     }
     let images = images::open(job)?;
-    Ok((load(job, Some(&images))?, Some(images)))
-}
-
-fn load(job: &LoadedJob, images: Option<&Images>) -> Result<Shot, PlanError> {
-    let (mut frames, mut image) = (job.job.frames.clone(), job.job.image.clone());
-    if let Some(images) = images {
-        let numbers: Vec<String> = images.frames.iter().map(ToString::to_string).collect();
-        frames.range = Some(numbers.join(","));
-        image.size = Some([images.film.width, images.film.height]);
-    }
-    let params = ShotParams {
-        scene: &job.scene_files(),
-        active_scene: job.job.active_scene.as_deref(),
-        animation: job.job.animation.as_deref(),
-        frames: &frames,
-        image: &image,
-        camera: &job.camera(),
-        lights: &job.job.light,
-        visibility: &job.job.visibility,
-        allow_outside: job.job.allow_outside,
-        images: images.map(|images| ShownByImages { cameras: &images.cameras, files: &images.files }),
-    };
-    Ok(scene::load(&params)?)
+    let mut job = job.clone();
+    let numbers: Vec<String> = images.frames.iter().map(ToString::to_string).collect();
+    job.job.frames.range = Some(numbers.join(","));
+    job.job.image.size = Some([images.film.width, images.film.height]);
+    let shot = job.shot_with(Some(ShownByImages { cameras: &images.cameras, files: &images.files }))?;
+    Ok((shot, Some(images)))
 }
 
 /// Loading, then sorting.

@@ -19,7 +19,7 @@ pub(super) fn seen_by(film: &Receivers, surface_of: impl Fn(usize) -> Option<Sur
     let stride = film.len().div_ceil(SEEN_MAX).max(1);
     let point = |i: usize| {
         let surface = surface_of(film.pixels[i] as usize)?;
-        Some(Seen { position: film.positions[i], normal: surface.normal, shadowed: film.shadowed[i] })
+        Some(film.seen(i, surface.normal))
     };
     (0..film.len()).step_by(stride).filter_map(point).collect()
 }

@@ -48,9 +48,8 @@ pub fn measured_bias(
         && judge.triangles() > TRIANGLES_MEASURED
         && let Some(sampled) = Sampled::of_film(question, &judge.on_film())
     {
-        let (bias, rays) = sampled.best_bias(&judge.maps, &sizes);
-        judge.rays += rays;
-        return Ok((bias, None));
+        judge.spent.rays += sampled.rays();
+        return Ok((sampled.trial(&judge.maps, &sizes, None).0, None));
     }
     let mut best: Option<(Vec<u32>, Bias)> = None;
     let mut consider = |bias: Bias, best: &mut Option<(Vec<u32>, Bias)>| {

@@ -3,7 +3,7 @@
 use super::bias::{default_bias, measured_bias};
 use super::fitted::{bound_limit, predict, predicted_bound, predicted_limit};
 use super::judge::Judge;
-use super::sampled::{Estimate, Sampled};
+use super::sampled::Sampled;
 use super::{
     Bound, Drawing, FilmQuestion, FittedLight, Measure, Probe, SizeGrid, Turn, grown, polish, polishes, size_on_grid,
     smallest, texels,
@@ -40,8 +40,8 @@ pub struct Certified {
     pub predicted: Prediction,
     /// The predicted value of a bound at a quantile.
     pub predicted_at_quantile: Option<f64>,
-    /// By a sample of the visible points at this size; `None` where nothing was looked up.
-    pub sampled: Option<Estimate>,
+    /// Certain and uncertain wrong pixels by a sample of the visible points at this size; `None` where nothing was looked up.
+    pub sampled: Option<[f64; 2]>,
     /// The trial of this size; `None` when nothing was measured.
     pub chosen: Option<Trial>,
     /// Of its wrong pixels, certain or not, those owed to bias.
@@ -57,9 +57,7 @@ impl Certified {
         match &self.chosen {
             Some(trial) => trial.error_over_bound(question),
             None => {
-                let sampled = self
-                    .sampled
-                    .map_or(0.0, |Estimate { wrong: [certain, uncertain], .. }| least_limit(certain, uncertain));
+                let sampled = self.sampled.map_or(0.0, |[certain, uncertain]| least_limit(certain, uncertain));
                 self.predicted_at_quantile.unwrap_or_else(|| predicted_limit(&self.predicted).max(sampled)) / limit
             }
         }
@@ -151,15 +149,12 @@ pub fn check(
 ) -> Result<Certified, RasterError> {
     fitted.texels = texels(&settled.sizes) as f64;
     let checked = smallest_size(question, fitted, judge, settled.bias, None)?;
-    let mut estimate = settled.sampled;
-    if checked.sizes != settled.sizes
-        && let Some(all) = &mut estimate
-    {
-        let there = sampled.estimate(&judge.maps, &checked.sizes, checked.bias);
-        (all.wrong, all.rays) = (there.wrong, all.rays + there.rays);
+    let mut expected = settled.sampled;
+    if checked.sizes != settled.sizes {
+        judge.spent.rays += sampled.rays();
+        expected = Some(sampled.trial(&judge.maps, &checked.sizes, Some(checked.bias)).1);
     }
-    judge.rays += estimate.map_or(0, |estimate| estimate.rays);
-    Ok(Certified { sampled: estimate, ..checked })
+    Ok(Certified { sampled: expected, ..checked })
 }
 
 /// Chooses the size with a bias. `at_guess` are the receivers known to be wrong at the size that the fit expects to need.

@@ -1,7 +1,7 @@
 //! The matrices of one light: fitted to the planning grid's edges, widened until they hold every film pixel that needs
 //! them.
 
-use super::{AspectRule, Bound, MapParams, QualityParams, shares};
+use super::{AspectRule, Bound, MapParams, QualityParams, SingleSided, shares};
 use crate::fit::Aspect;
 use crate::math::{Bounds, first_holding};
 use crate::measure::{Outside, Receivers, least_limit};
@@ -53,6 +53,11 @@ pub struct FittedLight {
 }
 
 impl<'a> FilmQuestion<'a> {
+    /// Whether rays tell what drawing would store: not where one side of triangles is left out.
+    pub(super) fn rays_tell(&self) -> bool {
+        self.map.single_sided == SingleSided::Both
+    }
+
     /// The aspects that the job allows.
     pub(super) fn aspect(&self) -> Aspect {
         match self.map.aspect {

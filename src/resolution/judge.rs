@@ -1,10 +1,10 @@
 //! Draws a light's maps at a size and judges every film pixel, certain and uncertain apart.
 
-use super::{Bound, FilmQuestion, FittedLight, JudgedMap, Measure, QualityParams, SingleSided};
+use super::{Bound, FilmQuestion, FittedLight, JudgedMap, Measure, QualityParams, Spent, undrawn};
 use crate::depth::{DepthError, Visible};
 use crate::math::first_holding;
 use crate::measure::{
-    Certainty, Drawn, LookedUp, Receivers, Seen, UNCERTAIN_SLACK, Undrawn, Verdict, answers_shadowed, edge_distance,
+    Certainty, Drawn, LookedUp, Receivers, Seen, UNCERTAIN_SLACK, Verdict, answers_shadowed, edge_distance,
     fewer_wrong, footprint, look_up_by_rays, wrong,
 };
 use crate::methods::Region;
@@ -29,9 +29,8 @@ pub struct OnFilm<'a> {
 impl OnFilm<'_> {
     /// A receiver, with the normal of its surface.
     pub(super) fn seen(&self, camera: &Camera, receiver: usize) -> Option<Seen> {
-        let Receivers { pixels, positions, shadowed } = self.receivers;
-        let surface = self.view.surface(self.tracer, camera, pixels[receiver] as usize)?;
-        Some(Seen { position: positions[receiver], normal: surface.normal, shadowed: shadowed[receiver] })
+        let surface = self.view.surface(self.tracer, camera, self.receivers.pixels[receiver] as usize)?;
+        Some(self.receivers.seen(receiver, surface.normal))
     }
 }
 
@@ -44,12 +43,8 @@ pub struct Judge<'a> {
     /// Scratch of drawing.
     canvas: Canvas,
     certainty: Certainty<'a>,
-    /// Texels drawn so far.
-    pub texels_drawn: u64,
-    /// Triangles drawn so far.
-    pub triangles_drawn: u64,
-    /// Rays of lookups so far.
-    pub rays: u64,
+    /// What it took so far; no fits.
+    pub spent: Spent,
 }
 
 /// A larger and no bias: what is wrong under a bias and right under one of these is owed to the bias.
@@ -74,7 +69,7 @@ impl<'a> Judge<'a> {
     pub fn of_maps(on: OnFilm<'a>, question: &'a FilmQuestion<'a>, maps: Vec<JudgedMap>) -> Judge<'a> {
         let OnFilm { tracer, view, receivers, offset } = on;
         let certainty = Certainty::new(tracer, view, question.camera, question.light, receivers, offset);
-        Judge { on, question, maps, canvas: Canvas::default(), certainty, texels_drawn: 0, triangles_drawn: 0, rays: 0 }
+        Judge { on, question, maps, canvas: Canvas::default(), certainty, spent: Spent::default() }
     }
 
     /// For each map the receivers that look it up, in the order of the film.
@@ -136,8 +131,8 @@ impl<'a> Judge<'a> {
         let (geometry, light, sides) = (self.on.tracer.geometry(), self.question.light, self.question.map.single_sided);
         let keep = |index: u32| sides.draws(geometry, light, index);
         let counts = self.canvas.draw(geometry, &map.clip_from_scene, width, height, bias, keep)?;
-        self.texels_drawn += u64::from(width) * u64::from(height);
-        self.triangles_drawn += counts.drawn;
+        self.spent.texels_drawn += u64::from(width) * u64::from(height);
+        self.spent.triangles_drawn += counts.drawn;
         let depth = std::mem::take(&mut self.canvas.map);
         Ok(Drawn { domain: map.region.domain.clone(), clip_from_scene: map.clip_from_scene, map: depth })
     }
@@ -176,11 +171,6 @@ impl<'a> Judge<'a> {
         wrong.iter().copied().zip(self.certainty.uncertain(wrong)).filter(|(_, u)| !u).map(|(i, _)| i).collect()
     }
 
-    /// What it took: texels and triangles drawn, evaluations of the fits, rays of lookups.
-    pub fn spent(&self, evaluations: u64) -> [u64; 4] {
-        [self.texels_drawn, self.triangles_drawn, evaluations, self.rays]
-    }
-
     /// What is measured on.
     pub fn on_film(&self) -> OnFilm<'a> {
         self.on
@@ -206,13 +196,13 @@ impl<'a> Judge<'a> {
     pub fn misplaced(&mut self, sizes: &[[u32; 2]], bias: Bias, wrong: &[u32]) -> Result<Vec<u32>, RasterError> {
         let others = other_biases(bias);
         let FilmQuestion { light, map, .. } = *self.question;
-        if map.single_sided == SingleSided::Both {
-            let maps: Vec<Undrawn> = self.maps.iter().zip(sizes).map(|(map, &size)| map.undrawn(size)).collect();
+        if self.question.rays_tell() {
+            let maps = undrawn(&self.maps, sizes);
             let seen: Vec<(u32, Seen)> =
                 wrong.iter().filter_map(|&i| Some((i, self.on.seen(self.question.camera, i as usize)?))).collect();
             let points: Vec<Seen> = seen.iter().map(|(_, seen)| *seen).collect();
             let found = look_up_by_rays(self.on.tracer, light, &maps, &points, others[0].slope);
-            self.rays += points.len() as u64;
+            self.spent.rays += points.len() as u64;
             let misplaced = |found: &LookedUp| others.iter().all(|other| found.wrong(*other, map.outside));
             return Ok(seen.iter().zip(&found).filter(|(_, f)| misplaced(f)).map(|((i, _), _)| *i).collect());
         }

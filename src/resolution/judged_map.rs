@@ -78,11 +78,16 @@ impl JudgedMap {
         let depth = fit_row(kept, row_kind(&region))?;
         Ok(JudgedMap { clip_from_scene: clip_from_scene(&region, depth.row), region, depth })
     }
+}
 
-    /// To be looked up by rays at a size.
-    pub fn undrawn(&self, size: [u32; 2]) -> Undrawn<'_> {
-        Undrawn { domain: &self.region.domain, clip_from_scene: &self.clip_from_scene, size }
-    }
+/// Maps at sizes, to be looked up by rays.
+pub(super) fn undrawn<'a>(maps: &'a [JudgedMap], sizes: &[[u32; 2]]) -> Vec<Undrawn<'a>> {
+    let at = |(map, &size): (&'a JudgedMap, &[u32; 2])| Undrawn {
+        domain: &map.region.domain,
+        clip_from_scene: &map.clip_from_scene,
+        size,
+    };
+    maps.iter().zip(sizes).map(at).collect()
 }
 
 /// Which depth rows a region may have. A camera's: for directional lights when p4 is constant, that is without a warp; for

@@ -13,6 +13,7 @@ mod sampled;
 mod search;
 mod shares;
 mod sizes;
+mod spent;
 mod unmeasured;
 
 pub use bias::{default_bias, measured_bias};
@@ -26,10 +27,12 @@ pub use fitted::{
 };
 pub use judge::{Judge, OnFilm, other_biases};
 pub use judged_map::JudgedMap;
+use judged_map::undrawn;
 pub use params::{AspectRule, BiasParams, Bound, MapParams, Measure, QualityParams, SIZE_MAX, SingleSided, TEXELS_MAX};
 pub use polish::{Drawing, Turn, polish, polishes, size_on_grid};
-pub use sampled::{Estimate, Sampled};
+pub use sampled::Sampled;
 pub use search::{Probe, grown, smallest};
 pub use shares::shares;
 pub use sizes::{SizeGrid, texels};
+pub use spent::Spent;
 pub use unmeasured::{MapsOf, Unmeasured};

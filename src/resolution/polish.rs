@@ -8,8 +8,7 @@
 
 use super::nearby::Nearby;
 use super::shares::measured_shares;
-use super::{FilmQuestion, FittedLight, MapParams, SizeGrid};
-use super::{Judge, JudgedMap};
+use super::{FilmQuestion, FittedLight, Judge, JudgedMap, MapParams, SizeGrid};
 use crate::depth::Visible;
 use crate::math::{Domain, first_holding};
 use crate::measure::{Outside, Receivers};

@@ -1,8 +1,8 @@
 //! Bias and size where no map is drawn: a sample of the visible points is looked up by rays.
 
 use super::bias::biases;
-use super::{Bound, FilmQuestion, JudgedMap, OnFilm, Probe, SingleSided, SizeGrid, bound_limit, smallest};
-use crate::measure::{LookedUp, Seen, Undrawn, least_limit, look_up_by_rays};
+use super::{Bound, FilmQuestion, JudgedMap, OnFilm, Probe, SizeGrid, bound_limit, smallest, undrawn};
+use crate::measure::{LookedUp, Seen, least_limit, look_up_by_rays};
 use crate::raster::Bias;
 use crate::visibility::Tracer;
 use glam::DVec3;
@@ -35,16 +35,9 @@ pub struct Settled {
     pub met: bool,
     /// The bias.
     pub bias: Bias,
-    /// What came of the lookups.
-    pub estimate: Estimate,
-}
-
-/// Wrong pixels, estimated.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Estimate {
-    /// With a certain and with an uncertain exact answer.
+    /// Wrong pixels, estimated: with a certain and with an uncertain exact answer.
     pub wrong: [f64; 2],
-    /// Lookups that it took: a ray each, and short ones behind steep surfaces that are not counted.
+    /// Rays that it took.
     pub rays: u64,
 }
 
@@ -60,16 +53,14 @@ impl<'a> Sampled<'a> {
         let (stride, picked) = thinned(seen.len(), POINTS);
         let points = picked.map(|i| seen[i]).collect();
         let pixels_a_point = question.film.pixels() as f64 / positions.max(1) as f64 * stride as f64;
-        (question.map.single_sided == SingleSided::Both).then_some(Sampled { question, tracer, points, pixels_a_point })
+        question.rays_tell().then_some(Sampled { question, tracer, points, pixels_a_point })
     }
 
     /// Of the film's pixels. `None` as there.
     pub fn of_film(question: &'a FilmQuestion<'a>, on: &OnFilm<'a>) -> Option<Sampled<'a>> {
         let (stride, picked) = thinned(on.receivers.len(), POINTS);
         let points = picked.filter_map(|i| on.seen(question.camera, i)).collect();
-        let tracer = on.tracer;
-        let pixels_a_point = stride as f64;
-        (question.map.single_sided == SingleSided::Both).then_some(Sampled { question, tracer, points, pixels_a_point })
+        question.rays_tell().then_some(Sampled { question, tracer: on.tracer, points, pixels_a_point: stride as f64 })
     }
 
     /// Few of the points.
@@ -110,25 +101,19 @@ impl<'a> Sampled<'a> {
         };
         let place = found.map_or(grid.len() - 1, |k| least + k);
         let (bias, wrong) = tried.get(&place).copied().unwrap_or_else(|| trial_at(place));
-        let rays = (tried.len() * self.points.len()) as u64;
-        Settled { place, met: found.is_some(), bias, estimate: Estimate { wrong, rays } }
+        let rays = tried.len() as u64 * self.rays();
+        Settled { place, met: found.is_some(), bias, wrong, rays }
     }
 
-    /// The bias with the fewest wrong points, ties go to the earlier one; and the rays that it took.
-    pub fn best_bias(&self, maps: &[JudgedMap], sizes: &[[u32; 2]]) -> (Bias, u64) {
-        (self.trial(maps, sizes, None).0, self.points.len() as u64)
-    }
-
-    /// What is expected of maps with a bias.
-    pub fn estimate(&self, maps: &[JudgedMap], sizes: &[[u32; 2]], bias: Bias) -> Estimate {
-        let (_, wrong) = self.trial(maps, sizes, Some(bias));
-        Estimate { wrong, rays: self.points.len() as u64 }
+    /// Rays that looking all of them up once takes.
+    pub fn rays(&self) -> u64 {
+        self.points.len() as u64
     }
 
     /// The best bias, ties go to the earlier one, or the one given, and the estimated certain and uncertain wrong pixels.
-    fn trial(&self, maps: &[JudgedMap], sizes: &[[u32; 2]], bias: Option<Bias>) -> (Bias, [f64; 2]) {
+    pub fn trial(&self, maps: &[JudgedMap], sizes: &[[u32; 2]], bias: Option<Bias>) -> (Bias, [f64; 2]) {
         let FilmQuestion { light, map, .. } = self.question;
-        let maps: Vec<Undrawn> = maps.iter().zip(sizes).map(|(map, &size)| map.undrawn(size)).collect();
+        let maps = undrawn(maps, sizes);
         let all = bias.map_or_else(|| biases(&map.bias), |bias| vec![bias]);
         let slope_max = all.iter().map(|bias| bias.slope).fold(0.0, f64::max);
         let found = look_up_by_rays(self.tracer, light, &maps, &self.points, slope_max);

@@ -4,7 +4,7 @@ use super::bias::default_bias;
 use super::certify::{grid_of, predicted_at_quantile};
 use super::fitted::{fit_again, fit_light, predict};
 use super::sampled::Settled;
-use super::{Certified, FilmQuestion, FittedLight, JudgedMap, Planned, Sampled, SizeGrid, texels};
+use super::{Certified, FilmQuestion, FittedLight, JudgedMap, Planned, Sampled, SizeGrid, Spent, texels};
 use crate::depth::DepthError;
 use crate::measure::Receivers;
 use crate::methods::Prediction;
@@ -40,18 +40,14 @@ impl Unmeasured<'_> {
         let few = sampled.rough();
         let receivers = few.positions();
         let rough = Unmeasured { receivers: &receivers, ..*self }.settled(fitted.clone(), Some(&few), None).ok();
-        let rough = rough.map(|rough| rough.certified);
-        let needed = rough.as_ref().map(|rough| texels(&rough.sizes) as f64);
+        let needed = rough.as_ref().map(|rough| texels(&rough.certified.sizes) as f64);
         // Where there is no second fit, or it has no depth row, the first one stands.
         let again = needed.and_then(|needed| fit_again(self.question, samples, film, &fitted, needed));
         let mut planned = match again.and_then(|again| self.settled(again, Some(sampled), needed).ok()) {
             Some(planned) => planned,
             None => self.settled(fitted, Some(sampled), needed)?,
         };
-        if let (Some(all), Some(first)) = (&mut planned.certified.sampled, rough.and_then(|rough| rough.sampled)) {
-            all.rays += first.rays;
-            planned.spent[3] += first.rays;
-        }
+        planned.spent.rays += rough.map_or(0, |rough| rough.spent.rays);
         Ok(planned)
     }
 
@@ -74,7 +70,8 @@ impl Unmeasured<'_> {
         let (place, mut certified) = Certified::undrawn(self.question, &grid, (least, fitted.texels), settled);
         certified.predicted = predict(&fitted.regions, &fitted.shares, grid.texels(place));
         certified.predicted_at_quantile = predicted_at_quantile(self.question, &fitted, grid.texels(place));
-        let spent = [0, 0, fitted.evaluations, certified.sampled.map_or(0, |s| s.rays)];
+        let rays = settled.map_or(0, |s| s.rays);
+        let spent = Spent { evaluations: fitted.evaluations, rays, ..Spent::default() };
         Ok(Planned { maps, fitted, certified, spent })
     }
 }
@@ -95,7 +92,7 @@ impl Certified {
             bias: settled.map_or_else(|| default_bias(&question.map.bias), |s| s.bias),
             predicted: Prediction::default(),
             predicted_at_quantile: None,
-            sampled: settled.map(|s| s.estimate),
+            sampled: settled.map(|s| s.wrong),
             chosen: None,
             self_shadow: 0,
             tried: Vec::new(),

@@ -2,7 +2,7 @@
 //! seen.
 
 use crate::scene::{Camera, Film, Light};
-use crate::visibility::{Answer, NO_TRIANGLE, RayOffset, Surface, Tracer, View, answer, surface_at};
+use crate::visibility::{Answer, NO_TRIANGLE, RayOffset, Surface, Tracer, View, answer, first_hit};
 use rayon::prelude::*;
 use std::borrow::Cow;
 
@@ -88,12 +88,13 @@ impl<'a> GridView<'a> {
         if let Some(view) = film {
             return GridView { grid, triangles: grid.of_film(&view.triangles), depths_m: grid.of_film(&view.depths_m) };
         }
+        let rays = camera.rays(grid.film);
         let (triangles, depths_m): (Vec<u32>, Vec<f64>) = (0..grid.len())
             .into_par_iter()
             .map(|i| {
                 let [x, y] = grid.position_of(i);
-                surface_at(tracer, camera, grid.film, x, y)
-                    .map_or((NO_TRIANGLE, f64::INFINITY), |s| (s.triangle, s.depth_m))
+                let hit = first_hit(tracer, camera, rays.through(x, y));
+                hit.map_or((NO_TRIANGLE, f64::INFINITY), |hit| (hit.triangle, hit.t))
             })
             .unzip();
         GridView { grid, triangles: triangles.into(), depths_m: depths_m.into() }

@@ -70,6 +70,12 @@ pub struct FilmRays<'a> {
 }
 
 impl FilmRays<'_> {
+    /// The ray through the centre of a pixel, counted row by row.
+    pub fn through_pixel(&self, pixel: usize) -> (DVec3, DVec3) {
+        let width = self.film.width as usize;
+        self.through((pixel % width) as f64 + 0.5, (pixel / width) as f64 + 0.5)
+    }
+
     /// The ray through a film position.
     pub fn through(&self, x: f64, y: f64) -> (DVec3, DVec3) {
         let FilmRays { camera, film, aspect, half_height } = *self;

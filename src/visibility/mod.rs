@@ -26,6 +26,7 @@ mod wide;
 pub use bvh::Bvh;
 pub use parts::Part;
 pub use shadow::{Answer, EDGE_ON_DEGREES, RayOffset, UNCERTAIN_MULTIPLE, answer, edge_on, edge_on_at};
+pub(crate) use surface::first_hit;
 pub use surface::{Surface, surface_at};
 pub use trace::{Hit, Tracer};
 pub use view::{NO_TRIANGLE, View, classify, see};

@@ -5,7 +5,7 @@
 
 use glam::DVec3;
 
-use super::trace::Tracer;
+use super::trace::{Hit, Tracer};
 use crate::scene::{Camera, Film};
 
 /// A point seen by the camera.
@@ -52,7 +52,12 @@ impl Surface {
 /// The first surface, of either orientation, between the camera's near and far planes behind a film position (pixels, y
 /// down); `None` for the background.
 pub fn surface_at(tracer: &Tracer, camera: &Camera, film: Film, x: f64, y: f64) -> Option<Surface> {
-    let (origin, direction) = camera.ray(film, x, y);
-    let hit = tracer.closest(origin, direction, camera.near, camera.far.unwrap_or(f64::INFINITY))?;
-    Some(Surface::new(tracer, camera, film, [x, y], (hit.triangle, hit.t)))
+    let ray = camera.ray(film, x, y);
+    let hit = first_hit(tracer, camera, ray)?;
+    Some(Surface::on_ray(tracer, ray, (hit.triangle, hit.t)))
+}
+
+/// What a ray of a camera meets between its near and far planes.
+pub(crate) fn first_hit(tracer: &Tracer, camera: &Camera, (origin, direction): (DVec3, DVec3)) -> Option<Hit> {
+    tracer.closest(origin, direction, camera.near, camera.far.unwrap_or(f64::INFINITY))
 }

@@ -3,9 +3,9 @@
 use rayon::prelude::*;
 
 use super::shadow::{Answer, RayOffset, answer};
-use super::surface::Surface;
+use super::surface::{Surface, first_hit};
 use super::trace::Tracer;
-use crate::scene::{Camera, Film, Light};
+use crate::scene::{Camera, Film, FilmRays, Light};
 
 /// In [`View::triangles`]: the background.
 pub const NO_TRIANGLE: u32 = u32::MAX;
@@ -28,31 +28,24 @@ impl View {
     /// The surface at a pixel, counted row by row; `None` for the background and outside the film. `tracer` and `camera`
     /// are those the view was seen with.
     pub fn surface(&self, tracer: &Tracer, camera: &Camera, pixel: usize) -> Option<Surface> {
-        let (&triangle, &depth_m) = (self.triangles.get(pixel)?, self.depths_m.get(pixel)?);
-        if triangle == NO_TRIANGLE {
-            return None;
-        }
-        Some(Surface::new(tracer, camera, self.film, pixel_centre(self.film, pixel), (triangle, depth_m)))
+        self.surface_on(tracer, &camera.rays(self.film), pixel)
     }
-}
 
-/// Film position of the centre of a pixel, counted row by row.
-fn pixel_centre(film: Film, pixel: usize) -> [f64; 2] {
-    let width = film.width as usize;
-    [(pixel % width) as f64 + 0.5, (pixel / width) as f64 + 0.5]
+    /// The same, given the camera's rays.
+    fn surface_on(&self, tracer: &Tracer, rays: &FilmRays, pixel: usize) -> Option<Surface> {
+        let (&triangle, &depth_m) = (self.triangles.get(pixel)?, self.depths_m.get(pixel)?);
+        (triangle != NO_TRIANGLE).then(|| Surface::on_ray(tracer, rays.through_pixel(pixel), (triangle, depth_m)))
+    }
 }
 
 /// One ray through the centre of every pixel. The same for any number of threads.
 pub fn see(tracer: &Tracer, camera: &Camera, film: Film) -> View {
     let (mut triangles, mut depths_m) = (vec![0; film.pixels()], vec![0.0; film.pixels()]);
-    let (rays, far) = (camera.rays(film), camera.far.unwrap_or(f64::INFINITY));
-    let strip = strip(film);
+    let (rays, strip) = (camera.rays(film), strip(film));
     let strips = triangles.par_chunks_mut(strip).zip(depths_m.par_chunks_mut(strip)).enumerate();
     strips.for_each(|(number, (triangles, depths_m))| {
         for_pixels(film, triangles.len(), |i| {
-            let [x, y] = pixel_centre(film, number * strip + i);
-            let (origin, direction) = rays.through(x, y);
-            let hit = tracer.closest(origin, direction, camera.near, far);
+            let hit = first_hit(tracer, camera, rays.through_pixel(number * strip + i));
             (triangles[i], depths_m[i]) = hit.map_or((NO_TRIANGLE, f64::INFINITY), |hit| (hit.triangle, hit.t));
         });
     });
@@ -66,11 +59,7 @@ pub fn classify(tracer: &Tracer, view: &View, camera: &Camera, light: &Light, of
     let (rays, strip) = (camera.rays(film), strip(film));
     answers.par_chunks_mut(strip).enumerate().for_each(|(number, answers)| {
         for_pixels(film, answers.len(), |i| {
-            let pixel = number * strip + i;
-            let (triangle, depth_m) = (view.triangles[pixel], view.depths_m[pixel]);
-            if triangle != NO_TRIANGLE {
-                let [x, y] = pixel_centre(film, pixel);
-                let surface = Surface::on_ray(tracer, rays.through(x, y), (triangle, depth_m));
+            if let Some(surface) = view.surface_on(tracer, &rays, number * strip + i) {
                 answers[i] = answer(tracer, &surface, light, offset);
             }
         });

@@ -8,7 +8,7 @@
 
 use super::requantised::Glb;
 use super::watching::watched;
-use super::{SEEN_WHOLE, load, load_shot};
+use super::{SEEN_WHOLE, load};
 use lixel::job::LoadedJob;
 use lixel::math::Bounds;
 use lixel::measure::Receivers;
@@ -58,7 +58,7 @@ impl Posed {
         let mut loaded = load(file, SEEN_WHOLE);
         loaded.job.image.size = Some(size);
         loaded.job.solver.measured_rounds = rounds;
-        let shot = load_shot(&loaded).unwrap();
+        let shot = loaded.shot().unwrap();
         let frame = shot.scene.frame(shot.frames[0].time_s).unwrap();
         let still = Bvh::still(&shot.scene);
         Posed { loaded, shot, frame, still }

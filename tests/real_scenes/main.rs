@@ -18,7 +18,7 @@ use lixel::measure::{Drawn, Outside, Receivers, wrong};
 use lixel::plan::{self, Format, LightPlan, Outcome, PlanError};
 use lixel::raster::{Bias, draw};
 use lixel::resolution::Measure;
-use lixel::scene::{Geometry, SceneError, Shot, ShotParams};
+use lixel::scene::{Geometry, SceneError};
 use lixel::visibility::{Bvh, RayOffset, Tracer, see};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -48,24 +48,9 @@ fn load(file: &Path, more: &str) -> LoadedJob {
     job::load(file, &format!("{SETTINGS}{more}").parse().unwrap()).unwrap()
 }
 
-fn load_shot(loaded: &LoadedJob) -> Result<Shot, SceneError> {
-    lixel::scene::load(&ShotParams {
-        scene: &loaded.scene_files(),
-        active_scene: loaded.job.active_scene.as_deref(),
-        animation: loaded.job.animation.as_deref(),
-        frames: &loaded.job.frames,
-        image: &loaded.job.image,
-        camera: &loaded.camera(),
-        lights: &loaded.job.light,
-        visibility: &loaded.job.visibility,
-        allow_outside: false,
-        images: None,
-    })
-}
-
 /// The shot of a job: number of triangles, and the numbers of its frames.
 fn shot(loaded: &LoadedJob) -> Result<(usize, Vec<i64>), SceneError> {
-    let shot = load_shot(loaded)?;
+    let shot = loaded.shot()?;
     let moving = shot.scene.frame(shot.frames[0].time_s)?.moving.len();
     Ok((shot.scene.still.len() + moving, shot.frames.iter().map(|f| f.frame).collect()))
 }
@@ -185,7 +170,7 @@ fn with_and_without_masks(file: &Path, work: &Path) -> [usize; 3] {
     let (loaded, ..) = settled(file).unwrap();
     let plan = watched(|watch| plan::make(&loaded, work, false, watch)).unwrap();
     let planned = &plan.frames[0];
-    let shot = load_shot(&loaded).unwrap();
+    let shot = loaded.shot().unwrap();
     let frame = shot.scene.frame(planned.time_s).unwrap();
     let geometry = shot.scene.geometry(&frame);
     let (still, moving) = (Bvh::still(&shot.scene), Bvh::moving(&shot.scene, &frame));

@@ -6,7 +6,7 @@ use super::super::{MapPlan, domain};
 use super::{FrameLight, LightDraft, Way};
 use crate::math::{Domain, matrix_from_rows};
 use crate::raster::{Bias, RasterError};
-use crate::resolution::{SingleSided, texels};
+use crate::resolution::{SingleSided, Spent, texels};
 use crate::scene::Light;
 use crate::visibility::Tracer;
 use glam::DMat4;
@@ -47,14 +47,14 @@ impl LookedUp {
 
     /// Draws them.
     pub(super) fn draw(&self, tracer: &Tracer, light: &Light, sides: SingleSided) -> Result<Ready, RasterError> {
-        let (mut drawn, mut counts) = (Vec::with_capacity(self.maps.len()), [0, 0]);
+        let (mut drawn, mut spent) = (Vec::with_capacity(self.maps.len()), Spent::default());
         for (domain, clip_from_scene, size) in &self.maps {
             let (map, triangles) = draw(tracer, light, (domain.clone(), *clip_from_scene), *size, self.bias, sides)?;
-            counts[0] += texels(&[*size]);
-            counts[1] += triangles;
+            spent.texels_drawn += texels(&[*size]);
+            spent.triangles_drawn += triangles;
             drawn.push(map);
         }
-        Ok(Ready { drawn: Arc::new(drawn), counts })
+        Ok(Ready { drawn: Arc::new(drawn), spent })
     }
 
     /// What is hashed of them: everything that decides an answer but the scene.

@@ -12,7 +12,7 @@ use crate::measure::{Drawn, Receivers};
 use crate::methods::{Prediction, Region};
 use crate::raster::{Bias, RasterError};
 use crate::resolution::{
-    Certified, FilmQuestion, FittedLight, Judge, JudgedMap, Probe, Sampled, Trial, measured_bias, predict,
+    Certified, FilmQuestion, FittedLight, Judge, JudgedMap, Probe, Sampled, Spent, Trial, measured_bias, predict,
     predicted_at_quantile, predicted_texels, smallest, trial,
 };
 use crate::scene::Light;
@@ -26,9 +26,9 @@ use std::time::Instant;
 #[derive(Clone, Debug)]
 pub(in crate::plan) struct Ready {
     pub(in crate::plan) drawn: Arc<Vec<Drawn>>,
-    /// Texels and triangles that drawing them took: what is reused costs a plan as much as what is drawn, so that it says
-    /// the same wherever its frames were measured.
-    pub(in crate::plan) counts: [u64; 2],
+    /// What drawing them took: what is reused costs a plan as much as what is drawn, so that it says the same wherever its
+    /// frames were measured.
+    pub(in crate::plan) spent: Spent,
 }
 
 /// A frame of a segment.
@@ -81,15 +81,13 @@ impl SegmentFrame<'_> {
             Some(on) => {
                 let mut judge = Judge::of_maps(on, &question, at(held.size));
                 let mut trials = Trials { question: &question, held, maps_at: &at, ready, tried: before, last: None };
-                let found = trials.measured(&mut judge)?;
-                entry.cost.texels_drawn = judge.texels_drawn;
-                entry.cost.triangles_drawn = judge.triangles_drawn;
-                entry.cost.rays += judge.rays;
-                found
+                trials.measured(&mut judge)?
             }
             None => predicted(&question, held, &regions, stage.sampled(&question, &seen).as_ref(), &at),
         };
-        entry.cost.rays += found.certified.sampled.map_or(0, |s| s.rays);
+        entry.cost.texels_drawn = found.spent.texels_drawn;
+        entry.cost.triangles_drawn = found.spent.triangles_drawn;
+        entry.cost.rays += found.spent.rays;
         let texels = held.grid.texels(found.place);
         let certified = &mut found.certified;
         certified.predicted = predict(&regions, &held.fitted.shares, texels);
@@ -129,6 +127,7 @@ struct Found {
     missed: bool,
     bias: Option<Bias>,
     ready: Option<Ready>,
+    spent: Spent,
 }
 
 /// The sizes tried in a frame.
@@ -185,7 +184,8 @@ impl Trials<'_> {
             tried: self.tried.iter().map(|(_, t)| t.clone()).collect(),
         };
         let tried = std::mem::take(&mut self.tried);
-        Ok(Found { certified, place, tried, missed: found.is_none(), bias: Some(bias), ready: Some(ready) })
+        let (missed, spent) = (found.is_none(), judge.spent);
+        Ok(Found { certified, place, tried, missed, bias: Some(bias), ready: Some(ready), spent })
     }
 
     fn probe(&mut self, judge: &mut Judge, place: usize, bias: Bias) -> Result<Probe, RasterError> {
@@ -208,16 +208,12 @@ impl Trials<'_> {
         if place == self.held.size
             && let Some(ready) = self.ready.take()
         {
-            judge.texels_drawn += ready.counts[0];
-            judge.triangles_drawn += ready.counts[1];
+            judge.spent += ready.spent;
             return Ok(ready);
         }
-        let before = [judge.texels_drawn, judge.triangles_drawn];
+        let before = judge.spent;
         let drawn = judge.draw(self.held.grid.sizes(place), bias)?;
-        Ok(Ready {
-            drawn: Arc::new(drawn),
-            counts: [judge.texels_drawn - before[0], judge.triangles_drawn - before[1]],
-        })
+        Ok(Ready { drawn: Arc::new(drawn), spent: judge.spent - before })
     }
 }
 
@@ -235,5 +231,6 @@ fn predicted(
     let settled = sampled.map(|sampled| sampled.settle(|place| Cow::from(maps_at(place)), grid, from, held.bias));
     let (place, certified) = Certified::undrawn(question, grid, (held.size, needed), settled);
     let missed = settled.is_some_and(|s| !s.met);
-    Found { certified, place, tried: Vec::new(), missed, bias: settled.map(|s| s.bias), ready: None }
+    let spent = Spent { rays: settled.map_or(0, |s| s.rays), ..Spent::default() };
+    Found { certified, place, tried: Vec::new(), missed, bias: settled.map(|s| s.bias), ready: None, spent }
 }

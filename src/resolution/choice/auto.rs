@@ -1,6 +1,6 @@
 //! `auto` on a film: the ladder by the texels that measuring finds each rung to need.
 
-use super::super::{Certified, FilmQuestion, FittedLight, OnFilm, texels};
+use super::super::{Certified, FilmQuestion, FittedLight, OnFilm, Spent, texels};
 use super::ladder::{Ladder, Need, Rung, climb, rungs};
 use super::one::{Planned, improved, planned};
 use crate::raster::RasterError;
@@ -26,8 +26,12 @@ pub fn auto(
     on: &OnFilm,
 ) -> Result<(Ladder, Option<Planned>), RasterError> {
     let solver = question.solver;
-    let spent = Cell::new([0; 4]);
-    let spend = |more: [u64; 4]| spent.set(std::array::from_fn(|k| spent.get()[k] + more[k]));
+    let spent = Cell::new(Spent::default());
+    let spend = |more: Spent| {
+        let mut all = spent.get();
+        all += more;
+        spent.set(all);
+    };
     let first = |rung: &Rung| {
         let solver = rung.solver(solver);
         let question = &FilmQuestion { solver: &solver, ..*question };
@@ -40,7 +44,7 @@ pub fn auto(
     let better = |rung: &Rung, (_, found): (Need, Planned)| {
         let solver = rung.solver(solver);
         let question = &FilmQuestion { solver: &solver, ..*question };
-        let found = improved(question, samples, on, Planned { spent: [0; 4], ..found })?;
+        let found = improved(question, samples, on, Planned { spent: Spent::default(), ..found })?;
         spend(found.spent);
         Ok((Need::of(question, &found.fitted, &found.certified), found))
     };

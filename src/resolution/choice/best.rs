@@ -6,7 +6,7 @@
 //! winner is then certified, and gives way to `lixel` if the bound asks for more texels of it after all: errors do not fall
 //! with texels at the same pace everywhere.
 
-use super::super::{FilmQuestion, Judge, OnFilm, fit_texels, grid_of, measured_bias, texels, trial};
+use super::super::{FilmQuestion, Judge, OnFilm, Spent, fit_texels, grid_of, measured_bias, texels, trial};
 use super::one::{Planned, planned};
 use crate::methods::{Method, SolverParams};
 use crate::raster::RasterError;
@@ -66,8 +66,8 @@ pub fn best(
 ) -> Result<(Contest, Option<Planned>), RasterError> {
     let solver_of = |method: Method| SolverParams { method, ..question.solver.clone() };
     let mut entrants: Vec<Entrant> = Vec::new();
-    let mut spent = [0; 4];
-    let mut spend = |more: [u64; 4]| (0..4).for_each(|k| spent[k] += more[k]);
+    let mut spent = Spent::default();
+    let mut spend = |more: Spent| spent += more;
     let mut first: Option<(usize, Planned)> = None;
     for method in SINGLE_MAP {
         let solver = solver_of(method);
@@ -118,7 +118,7 @@ fn at_texels(
     samples: &LightSamples,
     on: &OnFilm,
     texels: u64,
-    spend: &mut impl FnMut([u64; 4]),
+    spend: &mut impl FnMut(Spent),
 ) -> Result<Result<Standing, String>, RasterError> {
     let fitted = match fit_texels(question, samples, on.receivers, texels as f64, question.aspect()) {
         Ok(fitted) => fitted,
@@ -135,7 +135,7 @@ fn at_texels(
     let wrong = judge.wrong(&drawn);
     let texels = super::super::texels(&sizes);
     let (probe, trial) = trial(question, &judge, (&drawn, &wrong), sizes);
-    spend(judge.spent(fitted.evaluations));
+    spend(Spent { evaluations: fitted.evaluations, ..judge.spent });
     let misclassified = trial.verdict.certain.wrong();
     Ok(Ok(Standing { maps: fitted.regions.len(), texels, misclassified, error: probe.ratio }))
 }

@@ -1,8 +1,8 @@
 //! The maps of a light by one method, measured on a film.
 
 use super::super::{
-    Certified, FilmQuestion, FittedLight, Judge, JudgedMap, Measure, OnFilm, Sampled, Unmeasured, certify, check,
-    fit_light, refined,
+    Certified, FilmQuestion, FittedLight, Judge, JudgedMap, Measure, OnFilm, Sampled, Spent, Unmeasured, certify,
+    check, fit_light, refined,
 };
 use crate::raster::RasterError;
 use crate::samples::LightSamples;
@@ -17,8 +17,8 @@ pub struct Planned {
     pub fitted: FittedLight,
     /// Size and bias.
     pub certified: Certified,
-    /// Texels and triangles drawn for it, evaluations of its fits, rays of lookups.
-    pub spent: [u64; 4],
+    /// What it took.
+    pub spent: Spent,
 }
 
 /// The maps of a question's method; with better ones near them where `improve` and the job ask for them. The inner error is
@@ -30,42 +30,56 @@ pub fn planned(
     improve: bool,
 ) -> Result<Result<Planned, String>, RasterError> {
     let sampled = (question.quality.measure == Measure::Check).then(|| Sampled::of_film(question, on)).flatten();
-    let (first, mut fitted, mut judge) = match sampled {
-        Some(sampled) => match looked_up(question, samples, on, &sampled) {
-            Ok(Planned { maps, mut fitted, certified, .. }) => {
-                let mut judge = Judge::of_maps(*on, question, maps);
-                (check(question, &mut fitted, &mut judge, &sampled, certified)?, fitted, judge)
-            }
-            Err(reason) => return Ok(Err(reason)),
-        },
-        None => {
-            let fitted = match fit_light(question, samples, Some(on.receivers)) {
-                Ok(fitted) => fitted,
-                Err(reason) => return Ok(Err(reason.to_string())),
-            };
-            let mut judge = match Judge::new(*on, question, &fitted) {
-                Ok(judge) => judge,
-                Err(reason) => return Ok(Err(reason.to_string())),
-            };
-            (certify(question, &fitted, &mut judge)?, fitted, judge)
-        }
+    let found = match sampled {
+        Some(sampled) => checked(question, samples, on, &sampled)?,
+        None => searched(question, samples, on)?,
+    };
+    let (mut fitted, mut judge, first) = match found {
+        Ok(found) => found,
+        Err(reason) => return Ok(Err(reason)),
     };
     let certified = if improve { refined(question, samples, &mut fitted, &mut judge, first)? } else { first };
-    let spent = judge.spent(fitted.evaluations);
+    let spent = Spent { evaluations: fitted.evaluations, ..judge.spent };
     Ok(Ok(Planned { maps: judge.maps, fitted, certified, spent }))
 }
 
-/// The maps that lookups settle on, not drawn.
-fn looked_up(
-    question: &FilmQuestion,
+/// Fitted maps that are drawn, with bias and size; the inner error is the reason why there are none.
+type Found<'a> = Result<(FittedLight, Judge<'a>, Certified), String>;
+
+/// Bias and size by measurement.
+fn searched<'a>(
+    question: &'a FilmQuestion<'a>,
     samples: &LightSamples,
-    on: &OnFilm,
+    on: &OnFilm<'a>,
+) -> Result<Found<'a>, RasterError> {
+    let fitted = fit_light(question, samples, Some(on.receivers)).map_err(|reason| reason.to_string());
+    let judged = fitted.and_then(|fitted| Ok((Judge::new(*on, question, &fitted).map_err(|r| r.to_string())?, fitted)));
+    let (mut judge, fitted) = match judged {
+        Ok(judged) => judged,
+        Err(reason) => return Ok(Err(reason)),
+    };
+    let certified = certify(question, &fitted, &mut judge)?;
+    Ok(Ok((fitted, judge, certified)))
+}
+
+/// Bias and size by lookups, checked by measurement.
+fn checked<'a>(
+    question: &'a FilmQuestion<'a>,
+    samples: &LightSamples,
+    on: &OnFilm<'a>,
     sampled: &Sampled,
-) -> Result<Planned, String> {
+) -> Result<Found<'a>, RasterError> {
     let receivers = &on.receivers.positions;
     let maps_of = |fitted: &FittedLight, receivers: &[DVec3]| JudgedMap::of_all(&fitted.regions, on.tracer, receivers);
     let unmeasured = Unmeasured { question, receivers, sampled: Some(sampled), maps_of: &maps_of };
-    unmeasured.planned(samples, Some(on.receivers))
+    let Planned { maps, mut fitted, certified, spent } = match unmeasured.planned(samples, Some(on.receivers)) {
+        Ok(undrawn) => undrawn,
+        Err(reason) => return Ok(Err(reason)),
+    };
+    let mut judge = Judge::of_maps(*on, question, maps);
+    judge.spent.rays = spent.rays;
+    let certified = check(question, &mut fitted, &mut judge, sampled, certified)?;
+    Ok(Ok((fitted, judge, certified)))
 }
 
 /// The same maps, or better ones near them, where they were not looked for yet.
@@ -75,10 +89,9 @@ pub fn improved(
     on: &OnFilm,
     planned: Planned,
 ) -> Result<Planned, RasterError> {
-    let Planned { maps, mut fitted, certified, spent } = planned;
+    let Planned { maps, mut fitted, certified, mut spent } = planned;
     let mut judge = Judge::of_maps(*on, question, maps);
     let certified = refined(question, samples, &mut fitted, &mut judge, certified)?;
-    let more = judge.spent(0);
-    let spent = std::array::from_fn(|k| spent[k] + more[k]);
+    spent += judge.spent;
     Ok(Planned { maps: judge.maps, fitted, certified, spent })
 }
